@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from functools import cache
 
 import pytest
 
@@ -45,6 +46,26 @@ def test_files_and_folders_are_named_by_texts_too(tmp_path):
         drawbar.Recorder(str(tmp_path / "none" / "log.mcap"), header)
 
 
+@cache
+def _log():
+    return drawbar.simulate(CONFIGURATION)
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("estimate.tractr.x", r"estimate has no 'tractr' \(did you mean tractor\?\); it has .*trailer"),
+        ("estimate.speed.x", "estimate.speed has no 'x'; it is a number itself"),
+        ("estimate.tractor", "it is no number; give one of its x, y, yaw"),
+        ("", "a step has no ''; it has step, "),
+        (3, "name must be a str, got 3"),
+    ],
+)
+def test_a_column_that_is_none_tells_what_there_is(name, told):
+    with pytest.raises(DrawbarError, match=told):
+        _log().column(name)
+
+
 WRONG_ARGUMENTS = {
     "a name instead of a configuration": (
         lambda: drawbar.simulate("articulated"),
@@ -61,6 +82,10 @@ WRONG_ARGUMENTS = {
     "no name of a configuration": (lambda: drawbar.load_configuration(None), "source must be the name of a file"),
     "changes that are one text": (
         lambda: drawbar.load_configuration("paper", "speed=1.0"),
+        "changes must be texts KEY",
+    ),
+    "changes of a replay that are one text": (
+        lambda: drawbar.replay(_log(), "speed=1.0"),
         "changes must be texts KEY",
     ),
     "changes that are none": (lambda: drawbar.load_configuration("paper", [("speed", 1)]), "changes must be texts KEY"),

@@ -6,6 +6,8 @@ import sys
 from threading import Timer
 from types import FrameType
 
+_INTERRUPTED = 130
+"""exit code, as shells have it"""
 _AGAIN = 0.01
 """s after which an interrupt that CasADi would lose is raised again"""
 
@@ -29,12 +31,16 @@ def main() -> None:
         from drawbar.cli.main import main as program  # takes a while
 
         program()
+    except SystemExit as end:
+        if end.code == _INTERRUPTED:
+            signal.signal(signal.SIGINT, signal.SIG_IGN)  # once is enough, also while Python ends
+        raise
     except (Exception, KeyboardInterrupt) as error:
         if not (interrupted or isinstance(error, KeyboardInterrupt)):  # some libraries make another error of it
             raise
-        signal.signal(signal.SIGINT, signal.SIG_IGN)  # nor while Python ends
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
         print("interrupted", file=sys.stderr)
-        sys.exit(130)
+        sys.exit(_INTERRUPTED)
 
 
 def _in_casadi(frame: FrameType | None) -> bool:

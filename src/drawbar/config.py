@@ -214,12 +214,7 @@ def load_configuration(source: str | os.PathLike[str], changes: Sequence[str] = 
         ConfigurationError: unreadable, not TOML, duplicate, unknown, missing or impossible key; says which and why.
     """
     name = source if isinstance(source, str) else str(demand_path("source", source, ConfigurationError))
-    if (
-        isinstance(changes, str)
-        or not isinstance(changes, Sequence)
-        or not all(isinstance(change, str) for change in changes)
-    ):
-        raise ConfigurationError(f"changes must be texts KEY=VALUE, got {changes!r}; give ['speed=1.5'], for example.")
+    _demand_changes(changes)
     data, origin = _resolved(name, ())
     return _changed(_validated(data, origin), changes, origin)
 
@@ -235,7 +230,17 @@ def recorded_configuration(text: str, changes: Sequence[str], origin: str) -> Co
     Raises:
         ConfigurationError: this version of drawbar does not know it any more, or a change is wrong; says which and why.
     """
+    _demand_changes(changes)
     return _changed(_validated(tomllib.loads(text), origin), changes, origin)
+
+
+def _demand_changes(changes: object) -> None:
+    if (
+        isinstance(changes, str)
+        or not isinstance(changes, Sequence)
+        or not all(isinstance(change, str) for change in changes)
+    ):
+        raise ConfigurationError(f"changes must be texts KEY=VALUE, got {changes!r}; give ['speed=1.5'], for example.")
 
 
 def demand_configuration(configuration: object) -> None:

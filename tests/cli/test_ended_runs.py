@@ -115,6 +115,26 @@ casadi.DM_from_array = interrupt
 """
 
 
+_ENDS = """
+import atexit, drawbar.cli.main
+def interrupted():
+    drawbar.cli.main.typer.echo("interrupted", err=True)
+    sys.exit(130)
+drawbar.cli.main.main = interrupted
+atexit.register(signal.raise_signal, signal.SIGINT)
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
+def test_a_second_interrupt_while_python_ends_says_nothing_more() -> None:
+    program = f"import signal, sys, drawbar.__main__ as program\n{_ENDS}\nprogram.main()"
+    heed = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
+    ended = subprocess.run(
+        [sys.executable, "-c", program], check=False, capture_output=True, text=True, preexec_fn=heed
+    )
+    assert (ended.returncode, ended.stderr) == (130, "interrupted\n")
+
+
 @pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
 @pytest.mark.parametrize(
     ("prepare", "seconds"),

@@ -3,12 +3,15 @@
 import errno
 import os
 import stat
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 from typer.testing import CliRunner
 
+from drawbar.cli import calibrate
 from drawbar.cli.main import app
+from drawbar.driving.preparation.calibrated_file import calibrated_file
 from drawbar.errors import DrawbarError
 
 LINE = "x,y\n" + "".join(f"{5 * i},0\n" for i in range(40))
@@ -71,6 +74,42 @@ def test_an_export_that_a_full_disk_cuts_off_leaves_what_was_there(export, tmp_p
         target.write_text(before, "utf-8")
     assert "cannot be written (No space left on device)" in export(fill, target)
     assert [each.read_text("utf-8") for each in tmp_path.iterdir()] == ([] if before is None else [before])
+
+
+@pytest.fixture
+def full(monkeypatch):
+    """Let every text be cut off by a full disk."""
+
+    def fill(path, text, *given):
+        path.write_bytes(text[: len(text) // 2].encode())
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(Path, "write_text", fill)
+
+
+@pytest.mark.usefixtures("full")
+@pytest.mark.parametrize("before", [None, b"the table of another path"])
+def test_a_path_that_a_full_disk_cuts_off_leaves_what_was_there(tmp_path, before):
+    target = tmp_path / "table.h"
+    if before is not None:
+        target.write_bytes(before)
+    assert "cannot be written (No space left on device)" in refusal("path", "articulated", "--out", target)
+    assert [each.read_bytes() for each in tmp_path.iterdir()] == ([] if before is None else [before])
+
+
+@pytest.mark.usefixtures("full")
+def test_a_calibration_that_a_full_disk_cuts_off_leaves_the_one_before(tmp_path):
+    configuration, before = tmp_path / "my.toml", b'extends = "my.toml"\n'
+    configuration.write_bytes(b'extends = "articulated"\n')
+    calibrated_file(configuration).write_bytes(before)
+    with pytest.raises(DrawbarError, match="cannot be written"):
+        calibrate._write(configuration, [], "log.mcap")
+    assert calibrated_file(configuration).read_bytes() == before
+    assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_the_ending_of_a_table_may_be_in_capitals(tmp_path):
+    assert refusal("path", "articulated", "--out", tmp_path / "TABLE.CSV") == ""
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no named pipes here")

@@ -172,6 +172,19 @@ async def test_an_a_b_line_and_a_curve_are_made_while_driving_and_kept(stage, br
 
 
 @staged
+async def test_a_recorded_curve_that_takes_no_more_points_says_so(stage, browser):
+    one = await browser().open("/fields")
+    drive(stage, one, [(0.0, 0.0)])
+    one.press("● Record a curve")
+    drive(stage, one, [(x, 0.0) for x in range(5)])
+    assert "full: end and save" not in one.text()
+    recorded = stage.link.surveyor.track.points
+    recorded += [recorded[-1]] * (20_000 - len(recorded))
+    drive(stage, one, [(5.0, 0.0)])
+    assert "Recording: 20000 points · full: end and save" in one.text()
+
+
+@staged
 async def test_a_line_that_is_far_away_is_said_to_be(stage, browser):
     far = np.add(FIELD.lines[0].points, (4.5, 0.0))
     stage.workshop.fields.add(Field(name="far", lines=(FieldLine(name="far", points=far),)))

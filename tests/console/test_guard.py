@@ -271,7 +271,21 @@ def test_passwords_are_salted_hashes_in_a_file_of_the_owner(users):
         load_users(users)
 
 
-@pytest.mark.parametrize(("name", "password"), [("a b", PASSWORD), ("", PASSWORD), ("anna", "short")])
+def test_a_file_that_is_no_text_names_no_users(tmp_path):
+    file = tmp_path / "users"
+    file.touch(0o600)
+    file.write_bytes(b"anna OPERATOR \xff\xfe")
+    with pytest.raises(ConfigurationError, match="is no text"):
+        load_users(file)
+
+
+NO_TEXT = b"ten letters \xff".decode("utf-8", "surrogateescape")
+"""as a terminal that is not set to UTF-8 hands it over"""
+
+
+@pytest.mark.parametrize(
+    ("name", "password"), [("a b", PASSWORD), ("", PASSWORD), ("anna", "short"), ("anna", NO_TEXT)]
+)
 def test_bad_names_and_short_passwords_are_not_saved(tmp_path, name, password):
     with pytest.raises(ConfigurationError):
         save_user(tmp_path / "users", name, Rank.VIEWER, password)

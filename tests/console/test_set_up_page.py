@@ -280,6 +280,16 @@ async def test_a_drive_by_hand_calibrates_and_is_refused_while_the_vehicle_is_st
     assert len(log.steered) == 1
 
 
+def test_a_line_whose_version_was_never_written_does_not_stop_the_next(tmp_path):
+    versions, configuration = Versions(tmp_path), load_configuration("articulated")
+    versions.write(versions.next_file("articulated", ".geojson"), b"{}")  # and then the power was gone
+    line = versions.next_file("articulated", ".geojson")
+    assert line.name == "articulated-0002.geojson"
+    versions.write(line, b"{}")
+    assert versions.save(configuration).name == "articulated-0002.toml"
+    assert versions.save(configuration).name == "articulated-0003.toml"
+
+
 def test_a_full_disk_leaves_no_half_version(tmp_path):
     full = Path("/dev/full")
     if not full.exists():

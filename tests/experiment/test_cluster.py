@@ -118,13 +118,19 @@ def test_scheduler_that_dies_is_one_message(
     assert "Traceback" not in capfd.readouterr().err
 
 
-def test_a_cluster_that_starts_is_not_interrupted_and_one_that_is_there_is(monkeypatch: pytest.MonkeyPatch) -> None:
-    seen = []
+@pytest.fixture
+def starting(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Put a cluster in the place of Dask's; return what became of it, to which "interrupt" may be added before."""
+    seen: list[str] = []
 
     class Starting:
         def __init__(self, *arguments: object, **settings: object) -> None:
-            assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN  # so workers inherit it
-            signal.raise_signal(signal.SIGINT)
+            if os.name == "nt":
+                assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN  # so workers inherit it
+            else:
+                assert signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, [])
+            if "interrupt" in seen:
+                signal.raise_signal(signal.SIGINT)
 
         def __enter__(self) -> None:
             seen.append("there")
@@ -134,6 +140,31 @@ def test_a_cluster_that_starts_is_not_interrupted_and_one_that_is_there_is(monke
 
     monkeypatch.setattr(cluster_module, "LocalCluster", Starting)
     monkeypatch.setattr(cluster_module, "Client", Starting)
+    return seen
+
+
+def test_a_cluster_that_is_there_is_interrupted(starting: list[str]) -> None:
     with pytest.raises(KeyboardInterrupt), open_cluster():
         signal.raise_signal(signal.SIGINT)
-    assert seen == ["there", "there", "closed", "closed"]
+    assert starting == ["there", "there", "closed", "closed"]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
+def test_an_interrupt_while_a_cluster_starts_comes_as_soon_as_it_is_there(starting: list[str]) -> None:
+    starting.append("interrupt")
+    with pytest.raises(KeyboardInterrupt), open_cluster():
+        starting.append("calls")
+    assert starting == ["interrupt", "there", "there", "closed", "closed"]
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, [])
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+@pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
+def test_who_ignores_interrupts_goes_on_doing_so() -> None:
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)  # as nohup and & of a shell's script do
+    try:
+        with cluster_module._uninterrupted():
+            signal.raise_signal(signal.SIGINT)
+        assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGINT, before)

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from distributed import Client
 
-from drawbar.errors import ConfigurationError
+from drawbar.errors import ConfigurationError, StorageError
 from drawbar.experiment.analysis import error_figures, load_analysis, table_of_means
 from drawbar.experiment.document import write_report, write_results
 from drawbar.experiment.elements import Text
@@ -163,6 +163,17 @@ def test_results_and_report_say_what_was_missed(measured: MeasuredExperiment) ->
     assert f"| {named} | 2 | 1 | 2 | **1** |" in report
     assert "- **Missed**: 1 of 2 expected figures of *Two controllers*. The reason is not known." in report
     assert ", casadi " in report
+
+
+@pytest.mark.parametrize(
+    "content", [b"", b'{"title": "x"', b'{"title": "x"}', b"[]"], ids=["empty", "cut", "old", "other"]
+)
+def test_a_summary_that_cannot_be_read_is_named(measured: MeasuredExperiment, content: bytes) -> None:
+    folder = measured.experiment.folder
+    write_results(measured, [])
+    (folder / "summary.json").write_bytes(content)
+    with pytest.raises(StorageError, match=rf"summary\.json: cannot be read .* drawbar experiment .*{folder.name}"):
+        write_report(folder.parent)
 
 
 def test_the_report_opens_with_what_was_learned_and_why_figures_were_missed(measured: MeasuredExperiment) -> None:

@@ -142,6 +142,30 @@ def test_a_shapefile_in_utm_is_brought_to_degrees_and_one_without_projection_is_
     np.testing.assert_allclose(field.lines[0].points, FIELD.lines[1].points, atol=CLOSE)
 
 
+@pytest.mark.parametrize(
+    ("system", "place", "left_out"),
+    [
+        (31468, [4468000.0, 5333000.0], ["places to better than 3 m, by the conversion from DHDN / "]),
+        (25832, [690000.0, 5330000.0], []),
+        (4326, [11.0, 48.0], []),
+    ],
+)
+def test_a_shapefile_whose_conversion_costs_metres_says_so(
+    tmp_path: Path, system: int, place: list[float], left_out: list[str]
+) -> None:
+    import pyproj
+    import shapefile
+
+    with shapefile.Writer(str(tmp_path / "a"), shapeType=shapefile.POLYLINE) as writer:
+        writer.field("name", "C")
+        writer.line([[place, [each + 0.001 for each in place]]])
+        writer.record("x")
+    (tmp_path / "a.prj").write_text(pyproj.CRS.from_epsg(system).to_wkt("WKT1_ESRI"))
+    (field,) = read_fields(tmp_path / "a.shp", FRAME)
+    assert len(field.left_out) == len(left_out)
+    assert all(told.startswith(wanted) for told, wanted in zip(field.left_out, left_out, strict=True))
+
+
 @pytest.mark.parametrize("version", [3, 4])
 def test_isoxml_is_as_the_standard_says(version: int) -> None:
     root = ElementTree.fromstring(WRITERS[f"ISOXML {version}"][1](FIELD))

@@ -43,6 +43,22 @@ def test_a_pass_has_no_loop_where_the_curve_is_tighter() -> None:
         pass_beside(np.vstack([ARC, -ARC[1:], ARC[:1]]), 4, width=6.0, offset=0.0)
 
 
+@pytest.mark.parametrize("number", [1, -1, 3])
+def test_no_pass_silently_lacks_half_of_a_line_that_crosses_itself(number: int) -> None:
+    turn = np.linspace(0.0, 2.0 * math.pi, 200)
+    eight = np.column_stack([60.0 * np.sin(turn), 30.0 * np.sin(2.0 * turn)])
+    with pytest.raises(PathError, match="crosses itself"):
+        pass_beside(eight, number, width=3.0, offset=0.0)
+
+
+@pytest.mark.parametrize("number", [1, -1, 3])
+def test_a_lap_that_ends_where_it_began_has_passes(number: int) -> None:
+    turn = np.linspace(0.0, 2.0 * math.pi, 400)
+    found = pass_beside(40.0 * np.column_stack([np.cos(turn), np.sin(turn)]), number, width=3.0, offset=0.0)
+    length = np.hypot(*np.diff(found, axis=0).T).sum()
+    assert length == pytest.approx(2.0 * math.pi * (40.0 - 3.0 * number), abs=0.2)
+
+
 @pytest.mark.parametrize("given", [{"width": 0.0}, {"width": math.nan}, {"offset": math.inf}, {"number": 1000}])
 def test_nonsense_is_refused(given: dict[str, float]) -> None:
     with pytest.raises(PathError):

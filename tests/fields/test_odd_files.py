@@ -70,6 +70,7 @@ TASK = '<ISO11783_TaskData VersionMajor="4"><XFR A="PFD00001" B="1"/></ISO11783_
         ("a.kml", kml(line() + line("short", "4.6781,50.8642") + line("none", "")).encode()),
         ("a.csv", ROWS.encode("utf-16")),
         ("a.csv", ROWS.replace("\n", "\r").encode("utf-8-sig")),
+        ("a.csv", f"# surveyed, 2026\r\n \r\n#\r\n{ROWS}".encode()),
         ("mac.zip", packed({"x/a.kml": kml(line()), "__MACOSX/x/._a.kml": b"\0\5", "x/a.shp.xml": "<metadata/>"})),
         ("task.zip", packed({"TASKDATA/taskdata.xml": TASK, "TASKDATA/pfd00001.xml": f"<XFC>{PARTFIELD}</XFC>"})),
     ],
@@ -92,6 +93,68 @@ def test_what_is_left_out_is_said() -> None:
         take_in("a.kml", kml("<NetworkLink><name>far</name></NetworkLink>").encode(), FRAME)
 
 
+TRACKS = WRITERS["AgOpenGPS"][1](Field(name="x", lines=(TWO, FieldLine(name="Cu", points=np.array(PLACES)))))
+PIVOT = "Pivot\n0\n10,10\n0,0\n0\n64\nTrue\n0\n"
+
+
+def test_lines_of_agopengps_that_cannot_be_driven_are_left_out_and_the_others_are_read() -> None:
+    files = files_of(TRACKS, "home/")
+    tracks = files["home/TrackLines.txt"].decode().splitlines()
+    tracks[5] = "0.3"  # the nudge of the first
+    (field,) = take_in("x.zip", packed(files | {"home/TrackLines.txt": "\n".join([*tracks, PIVOT])}), FRAME)
+    assert [each.name for each in field.lines] == ["Cu"]
+    nudged, pivot = field.left_out
+    assert nudged.startswith("home/TrackLines.txt:6: line 'AB' has a nudge of 0.3 m")
+    assert "line 'Pivot' has 0 different point(s)" in pivot
+    with pytest.raises(PathError, match=r"but home/TrackLines\.txt:9: line 'Pivot' has 0 "):
+        take_in("x.zip", packed(files | {"home/TrackLines.txt": f"$TrackLines\n{PIVOT}"}), FRAME)
+
+
+def shapefile_of(*rings: list[list[float]]) -> bytes:
+    import shapefile
+
+    parts = {suffix: io.BytesIO() for suffix in ("shp", "shx", "dbf")}
+    with shapefile.Writer(**parts, shapeType=shapefile.POLYGON) as writer:
+        writer.field("name", "C")
+        writer.poly(rings)
+        writer.record("x")
+    projection = files_of(WRITERS["Shapefile"][1](Field(name="x", lines=(TWO,))), "")["x-lines.prj"]
+    return packed({f"x.{suffix}": data.getvalue() for suffix, data in parts.items()} | {"x.prj": projection})
+
+
+CLOCKWISE = [[4.0, 50.0], [4.0, 50.01], [4.01, 50.01], [4.01, 50.0], [4.0, 50.0]]
+HOLE = [[4.004, 50.004], [4.006, 50.004], [4.006, 50.006], [4.004, 50.004]]
+
+
+@pytest.mark.parametrize(
+    ("rings", "left_out"),
+    [
+        ([CLOCKWISE, HOLE], ("hole",)),
+        ([HOLE, CLOCKWISE], ("hole",)),
+        ([HOLE, CLOCKWISE[::-1]], ("hole",)),
+        ([HOLE, CLOCKWISE, HOLE[::-1]], ("Polygon", "hole")),
+    ],
+)
+def test_the_edge_of_a_shapefile_is_its_outer_ring_wherever_it_stands(
+    rings: list[list[list[float]]], left_out: tuple[str, ...]
+) -> None:
+    (field,) = take_in("x.zip", shapefile_of(*rings), FRAME)
+    np.testing.assert_allclose([field.boundary.min(axis=0), field.boundary.max(axis=0)], [[50.0, 4.0], [50.01, 4.01]])
+    assert field.left_out == left_out
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_the_edge_in_a_shapefile_goes_clockwise(order: int) -> None:
+    import shapefile
+
+    field = Field(name="x", boundary=np.array(CLOCKWISE[:-1])[::order, ::-1])
+    files = files_of(WRITERS["Shapefile"][1](field), "")
+    with shapefile.Reader(**{suffix: io.BytesIO(files[f"x-boundary.{suffix}"]) for suffix in ("shp", "dbf")}) as reader:
+        ring = reader.shape(0).points
+    assert ring[0] == ring[-1]
+    assert shapefile.signed_area(ring) < 0.0
+
+
 def test_two_fields_of_one_name_in_an_archive_stay_two() -> None:
     here = WRITERS["AgOpenGPS"][1](Field(name="x", lines=(TWO,)))
     there = WRITERS["AgOpenGPS"][1](Field(name="x", boundary=np.array(PLACES)))
@@ -104,6 +167,7 @@ def test_two_fields_of_one_name_in_an_archive_stay_two() -> None:
     [
         ("a.kml", kml("&x;", '<!-- <a> --><!DOCTYPE a [<!ENTITY x "y">]>').encode(), "DOCTYPE"),
         ("a.csv", b"line,latitude,longitude\n" + b"x" * 200_000, "is no table"),
+        ("a.csv", b"# x\n\nline,latitude,longitude\nx,50,4\nx,50\n", r"a\.csv:5: .* has 2 cells"),
         ("a.csv", "line,latitude,longitude\nSüd,50,4\n".encode("latin-1"), "byte 25 is not UTF-8 text"),
         ("TASKDATA.XML", TASK.encode(), r"refers to PFD00001\.XML, which is not beside it"),
         (

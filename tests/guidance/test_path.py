@@ -239,6 +239,12 @@ def test_there_is_no_parallel_line_inside_of_a_curve_that_is_tighter():
         figure_eights((8.0,), 20.0).beside(7.9)
 
 
+@pytest.mark.parametrize("offset", [math.nan, math.inf, "1"])
+def test_a_parallel_line_so_far_beside_as_no_number_says_is_refused_as_that(offset):
+    with pytest.raises(PathError, match="offset"):
+        figure_eights((8.0,), 20.0).beside(offset)
+
+
 def test_a_reversed_path_leads_from_the_end_to_the_start():
     path = arc(RADIUS)
     back = path.reversed()

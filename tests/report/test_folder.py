@@ -1,11 +1,14 @@
+import errno
 import io
 import json
+import os
 import re
+from pathlib import Path
 
 import pytest
 from rich.console import Console
 
-from drawbar.errors import DrawbarError
+from drawbar.errors import DrawbarError, StorageError
 from drawbar.recording.log import LOG_NAME
 from drawbar.recording.recorder import Recorder
 from drawbar.report.console import summary
@@ -27,6 +30,19 @@ def test_the_report_of_a_recorded_run_is_that_of_the_run(tmp_path, run):
     assert json.loads(metrics.to_json())["finished"] is True
     assert (tmp_path / "report.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
     assert (tmp_path / "map.svg").read_text(encoding="utf-8").startswith("<svg")
+
+
+@pytest.mark.parametrize(("code", "says"), [(errno.ENOSPC, True), (errno.EACCES, False)])
+def test_a_report_that_cannot_be_written_advises_to_free_space_where_that_helps(tmp_path, run, monkeypatch, code, says):
+    record(tmp_path, run)
+
+    def fail(path, content):
+        raise OSError(code, os.strerror(code))
+
+    monkeypatch.setattr(Path, "write_bytes", fail)
+    with pytest.raises(StorageError, match=r"choose another folder, `drawbar report .* --out FOLDER`") as refused:
+        write_report(tmp_path)
+    assert ("free space" in str(refused.value)) == says
 
 
 def test_a_log_cut_short_still_gives_a_report(tmp_path, make_run, monkeypatch):
@@ -69,7 +85,7 @@ def test_a_report_that_cannot_be_written_is_named(tmp_path, make_run):
 def test_the_advice_names_the_log_where_a_report_elsewhere_cannot_be_written(tmp_path, make_run):
     record(tmp_path, make_run(steps=2))
     (tmp_path / "taken").touch()
-    with pytest.raises(DrawbarError, match=rf"taken: .*then `drawbar report {tmp_path / LOG_NAME}`"):
+    with pytest.raises(DrawbarError, match=rf"taken: .*, `drawbar report {tmp_path / LOG_NAME} --out FOLDER`"):
         write_report(tmp_path / "taken", tmp_path / LOG_NAME)
 
 

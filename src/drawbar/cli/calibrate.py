@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drawbar.cli.options import RunLogFile, RunLogFileIfAny, agreed, console
+from drawbar.cli.whole_files import write_whole
 from drawbar.errors import ConfigurationError, DrawbarError
 
 if TYPE_CHECKING:
@@ -130,7 +131,7 @@ def _write(configuration: FilePath, found: "Sequence[CalibrationResult]", source
     file = calibrated_file(configuration)
     text = calibrated_text(configuration, found, datetime.now(UTC).date(), source)
     try:
-        file.write_text(text, "utf-8")
+        write_whole(file, lambda part: part.write_text(text, "utf-8"))
     except OSError as error:
         raise DrawbarError(f"{file}: cannot be written ({error.strerror}); choose another folder") from error
     load_configuration(str(file))

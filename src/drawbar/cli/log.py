@@ -1,7 +1,7 @@
 """`drawbar log export`: a log for other programs."""
 
-import os
 from collections.abc import Callable
+from functools import partial
 from itertools import combinations
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drawbar.cli.options import RunLogFile, console, refuse_to_replace, written
+from drawbar.cli.whole_files import write_whole
 from drawbar.errors import DrawbarError
 
 if TYPE_CHECKING:
@@ -52,24 +53,10 @@ def export(
         console.print(f"{file}: {loss}", style="bold yellow", soft_wrap=True)
     for option, target in targets:
         try:
-            _write_whole(_writer(option), content, target)
+            write_whole(target, partial(_writer(option), content))
         except OSError as error:
             raise DrawbarError(f"{target}: cannot be written ({error.strerror}); choose another file") from error
         console.print(str(target), soft_wrap=True)
-
-
-def _write_whole(writer: Callable[["RunLog", FilePath], None], content: "RunLog", target: FilePath) -> None:
-    """Write a file that is there as a whole or as it was before; a pipe or a device is written to."""
-    if target.exists() and not target.is_file():
-        writer(content, target)
-        return
-    place = target.resolve()
-    part = place.with_name(place.name + ".part")
-    try:
-        writer(content, part)
-        os.replace(part, place)
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def _writer(option: str) -> Callable[["RunLog", FilePath], None]:

@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from drawbar.cli.options import ConfigurationName, changing, configured, console, refuse_to_replace, written
+from drawbar.cli.whole_files import write_whole
 from drawbar.errors import DrawbarError
 
 
@@ -27,7 +28,8 @@ def path(
     from drawbar.simulation import build_path
 
     tables = {".csv": path_table, ".h": path_array}
-    if out.suffix not in tables:
+    write = tables.get(out.suffix.lower())
+    if write is None:
         raise DrawbarError(f"--out {out}: give a file that ends with {' or '.join(tables)}.")
     config = configured(configuration, line, track, changes or [])
     if config.path.file:
@@ -35,8 +37,9 @@ def path(
     driven, drivable = build_path(config)
     for note in path_notes(config, driven, drivable):
         console.print(note, soft_wrap=True)
+    table = write(driven)
     try:
-        out.write_text(tables[out.suffix](driven), "utf-8")
+        write_whole(out, lambda file: file.write_text(table, "utf-8"))
     except OSError as error:
         raise DrawbarError(f"{out}: cannot be written ({error.strerror}); choose another --out file.") from error
     console.print(f"{out}: {len(driven.nodes)} nodes, {driven.length:.1f} m", soft_wrap=True)

@@ -150,6 +150,10 @@ TEXTS: Mapping[str, tuple[str, str]] = {
     "curve": ("Curve", "Kurve"),
     "no_position": ("Waiting for an RTK-fixed position", "Warte auf RTK-Fix"),
     "recording_points": ("Recording: {count} points", "Aufnahme: {count} Punkte"),
+    "recording_full": (
+        "full: end and save, then record on",
+        "voll: beenden und speichern, dann weiter aufzeichnen",
+    ),
     "a_is_set": ("A is set; drive to B", "A ist gesetzt; nach B fahren"),
     "import_export": ("Import and export", "Importieren und exportieren"),
     "import_file": ("Choose a field's file", "Felddatei auswählen"),

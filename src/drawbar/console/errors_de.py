@@ -18,6 +18,8 @@ ERRORS_DE: Mapping[str, str] = {
         "{0}: enthält weder eine Linie noch eine Grenze, sondern: {1}; andere Datei wählen",
     "nothing": "nichts",
     "hole": "Loch",
+    "places to better than {} m, by the conversion from {}":
+        "Lage genauer als {0} m, durch die Umrechnung aus {1}",
     "waypoint {}": "Wegpunkt {0}",
     "polygon": "Fläche",
     "line '{}' of {} point(s)": "Linie „{0}“ mit {1} Punkt(en)",
@@ -126,6 +128,10 @@ ERRORS_DE: Mapping[str, str] = {
         "Spur {0} liegt {1} m neben der Linie; höchstens {2} m sind erlaubt",
     "nothing is left of the line at {} m beside it; it is curved too tightly there":
         "{0} m neben der Linie bleibt nichts von ihr übrig; sie ist zu eng gekrümmt: kleineren Abstand wählen",
+    "{} m of the line would have no pass at {} m beside it, since it crosses itself or comes back to itself; take a "
+    "smaller distance, or divide the line":
+        "{0} m der Linie hätten keine Spur {1} m daneben, weil sie sich kreuzt oder zu sich zurückkehrt: kleineren "
+        "Abstand wählen, oder die Linie teilen",
     "the recorded curve is {} m long; {} m are needed: drive on":
         "Die aufgenommene Kurve ist {0} m lang; {1} m sind nötig: weiterfahren",
     "{}: the line does not cross the field of {}; say how far it goes by path.extension, m":

@@ -54,6 +54,7 @@ class NewLineCard:
         texts = [] if known else [words("no_position")]
         if track is not None:
             texts.append(words("recording_points", count=len(track.points)))
+            texts += [words("recording_full")] if track.is_full else []
         elif surveyor.a is not None:
             texts.append(words("a_is_set"))
         self._said.set_text(" · ".join(texts))

@@ -42,6 +42,8 @@ def load_users(path: Path) -> dict[str, User]:
         raise ConfigurationError(
             f"{path}: cannot be read ({error.strerror}); make it with drawbar console-user"
         ) from None
+    except UnicodeDecodeError:
+        raise ConfigurationError(f"{path}: is no text and so names no users; give another file") from None
     if stat.S_IMODE(mode) & 0o077:
         raise ConfigurationError(f"{path} has mode {stat.S_IMODE(mode):o}: others may read it; chmod 600 {path}")
     users = [_user(path, number, line) for number, line in enumerate(lines, 1) if line.strip()]
@@ -70,6 +72,8 @@ def save_user(path: Path, name: str, rank: Rank, password: str) -> None:
         raise ConfigurationError(f"user name {name!r}: 1 to 40 letters, digits, '.', '-' or '_' are allowed")
     if not SHORTEST <= len(password) <= LONGEST:
         raise ConfigurationError(f"a password has {SHORTEST} to {LONGEST} characters; this one has {len(password)}")
+    if any("\ud800" <= letter <= "\udfff" for letter in password):
+        raise ConfigurationError("the password holds bytes that are no UTF-8 text; set the terminal to UTF-8")
     users = load_users(path) if path.exists() else {}
     salt = secrets.token_bytes(16)
     users[name] = User(name=name, rank=rank, salt=salt, digest=_digest(password, salt))

@@ -11,7 +11,8 @@ from typing import Any
 from drawbar.config import Configuration, load_configuration
 from drawbar.errors import StorageError
 
-_NAME = re.compile(r"(?P<name>.+)-(?P<number>\d{4,})\.toml")
+_NAME = re.compile(r"(?P<name>.+)-(?P<number>\d{4,})\.(?P<kind>toml|geojson)")
+"""of a version, or of the line that the version of this number drives"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,16 +39,21 @@ class Versions:
 
     def all(self) -> list[Version]:
         """Return all of them, the newest first."""
-        found = [(each, _NAME.fullmatch(each.name)) for each in self.folder.glob("*.toml")]
         versions = [
-            Version(file=file, number=int(match["number"]), time=file.stat().st_mtime) for file, match in found if match
+            Version(file=file, number=number, time=file.stat().st_mtime) for file, number in self._numbered("toml")
         ]
         return sorted(versions, key=lambda version: version.number, reverse=True)
 
+    def _numbered(self, kind: str) -> list[tuple[Path, int]]:
+        """Return the files of a kind, with their numbers."""
+        found = [(each, _NAME.fullmatch(each.name)) for each in self.folder.glob(f"*.{kind}")]
+        return [(file, int(match["number"])) for file, match in found if match]
+
     def next_file(self, name: str, suffix: str = ".toml") -> Path:
-        """Return the file of the next version of a name."""
-        newest = max((version.number for version in self.all()), default=0)
-        return self.folder.absolute() / f"{name}-{newest + 1:04d}{suffix}"
+        """Return the file of the next version of a name, or of its line, which is written first."""
+        newest, line = (max((number for _, number in self._numbered(kind)), default=0) for kind in ("toml", "geojson"))
+        number = max(newest + 1, line + (suffix == ".geojson"))  # a line whose version was not written keeps its number
+        return self.folder.absolute() / f"{name}-{number:04d}{suffix}"
 
     def save(self, configuration: Configuration) -> Path:
         """Keep a configuration as the next version; return its file. Raises StorageError."""

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from itertools import islice
+from multiprocessing import resource_tracker
 from typing import Any, TypeVar
 
 import dask
@@ -69,18 +70,29 @@ def open_cluster(address: str = "", jobs: int | None = None) -> Iterator[Client]
 
 @contextmanager
 def _uninterrupted() -> Iterator[None]:
-    """Ignore the keyboard's interrupt for the second or two in which the cluster starts.
+    """Keep the keyboard's interrupt back for the second or two in which the cluster starts, and raise it then.
 
-    Dask cannot close a cluster that is half started, and workers that are being started inherit what is ignored.
+    Dask cannot close a cluster that is half started. Workers that are being started inherit that it is blocked, and so
+    does the thread that starts them; on Windows it is ignored.
     """
-    if threading.current_thread() is not threading.main_thread():  # which alone is interrupted
-        yield
+    before = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or before is signal.SIG_IGN:
+        yield  # another thread is never interrupted
         return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    kept_back: list[int] = []
+    can_block = hasattr(signal, "pthread_sigmask")
+    signal.signal(signal.SIGINT, (lambda number, _: kept_back.append(number)) if can_block else signal.SIG_IGN)
+    if can_block:
+        resource_tracker.ensure_running()  # which would unblock it
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
+        if can_block:
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
         signal.signal(signal.SIGINT, before)
+    if kept_back:
+        raise KeyboardInterrupt
 
 
 def _connect(address: str) -> Client:

@@ -7,6 +7,7 @@ from pathlib import Path
 import msgspec
 
 from drawbar.benchmark.figures import machine
+from drawbar.errors import StorageError
 from drawbar.experiment.elements import Element, markdown_table
 from drawbar.experiment.measured import REPORT_NAME, MeasuredExperiment
 from drawbar.experiment.writing import writing
@@ -73,15 +74,26 @@ def _summary(measured: MeasuredExperiment) -> Summary:
 
 
 def write_report(folder: Path) -> None:
-    """Write REPORT.md of all experiments of a folder that have been driven."""
-    summaries = {
-        file.parent.name: msgspec.json.decode(file.read_bytes(), type=Summary)
-        for file in sorted(folder.glob(f"*/{SUMMARY_NAME}"))
-    }
+    """Write REPORT.md of all experiments of a folder that have been driven.
+
+    Raises:
+        DrawbarError: it cannot be written, or the summary of an experiment cannot be read.
+    """
+    summaries = {file.parent.name: _read_summary(file) for file in sorted(folder.glob(f"*/{SUMMARY_NAME}"))}
     blocks = ["# Experiments", "Made by `drawbar experiment`, anew after each of them; do not edit."]
     blocks += [*_opening(summaries.values()), "## All experiments", _overview(summaries), _machines(summaries.values())]
     with writing(file := folder / REPORT_NAME):
         file.write_text("\n\n".join(blocks) + "\n", "utf-8")
+
+
+def _read_summary(file: Path) -> Summary:
+    try:
+        return msgspec.json.decode(file.read_bytes(), type=Summary)
+    except (OSError, msgspec.MsgspecError) as error:
+        raise StorageError(
+            f"{file}: cannot be read as a summary ({error}), so {REPORT_NAME} is not written anew; drive that "
+            f"experiment again: drawbar experiment {file.parent}"
+        ) from error
 
 
 def _opening(summaries: Iterable[Summary]) -> list[str]:

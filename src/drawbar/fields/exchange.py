@@ -76,9 +76,10 @@ def take_in(name: str, data: bytes, frame: LocalFrame) -> tuple[Field, ...]:
     with tempfile.TemporaryDirectory(prefix="drawbar-import-") as folder:
         try:
             paths = unpack(name, data, Path(folder))
-            found = [field for path in paths for field in read_fields(path, frame)]
+            read = [field for path in paths for field in read_fields(path, frame)]
         except PathError as error:  # nobody knows the folder
             raise PathError(str(error).replace(f"{folder}/", "")) from None
+    found = [replace(each, left_out=tuple(what.replace(f"{folder}/", "") for what in each.left_out)) for each in read]
     fields = [field for field in found if not field.is_empty]
     if not fields:
         besides = ", ".join(each for field in found for each in field.left_out)

@@ -21,6 +21,12 @@ _ARCS = 24
 """pieces of a quarter circle where a pass goes round a corner"""
 _DENSE = 1.0
 """longest piece of a curve before it is shifted, m"""
+_BESIDE = 0.1
+"""places at most so much nearer to a curve than its pass belong to the pass, m ..."""
+_COVERED = 0.3
+"""... and are on it where they are no farther from it, m"""
+_LOST = 2.0
+"""of a curve that may be without a pass though it is not too tight there, m"""
 
 
 def from_a_and_b(a: Floats, b: Floats) -> Floats:
@@ -42,7 +48,8 @@ def from_a_and_heading(a: Floats, compass: float) -> Floats:
 def pass_beside(line: Floats, number: int, *, width: float, offset: float) -> Floats:
     """Return the pass so many widths to the left of a line (right: negative), (n, 2) m, in the line's direction.
 
-    A curve's pass has no loops where the curve is tighter than the distance: that part falls away.
+    A curve's pass has no loops where the curve is tighter than the distance: that part falls away. Beside a curve that
+    crosses itself a pass would lack more.
 
     Args:
         line: (n, 2) m.
@@ -51,7 +58,7 @@ def pass_beside(line: Floats, number: int, *, width: float, offset: float) -> Fl
         offset: of the implement, or of the line, to the left, m.
 
     Raises:
-        PathError: a number is not allowed, or nothing is left of the line at this distance.
+        PathError: a number is not allowed, or of the line at this distance nothing is left, or not all that should be.
     """
     if not 0.1 <= width <= _WIDEST:
         raise PathError(f"the working width is {width} m; 0.1 to {_WIDEST:g} m are allowed")
@@ -71,8 +78,27 @@ def pass_beside(line: Floats, number: int, *, width: float, offset: float) -> Fl
     pieces = [piece for piece in shapely.get_parts(beside) if not piece.is_empty]
     if not pieces:
         raise PathError(f"nothing is left of the line at {distance:.1f} m beside it; it is curved too tightly there")
-    longest: Floats = shapely.get_coordinates(max(pieces, key=shapely.length))
-    return longest
+    longest = max(pieces, key=shapely.length)
+    if not (lost := _lost(dense, longest, distance)) <= _LOST:
+        raise PathError(
+            f"{lost:.0f} m of the line would have no pass at {distance:.1f} m beside it, since it crosses itself or "
+            f"comes back to itself; take a smaller distance, or divide the line"
+        )
+    points: Floats = shapely.get_coordinates(longest)
+    return points
+
+
+def _lost(curve: shapely.LineString, beside: shapely.LineString, distance: float) -> float:
+    """Return how much of a curve is without its pass, though no other part of it is nearer to the pass's place, m."""
+    points = shapely.get_coordinates(curve)
+    steps = np.diff(points, axis=0)
+    lengths = np.hypot(*steps.T)
+    steps, lengths, middles = (each[lengths > 0.0] for each in (steps, lengths, (points[1:] + points[:-1]) / 2.0))
+    left = np.column_stack([-steps[:, 1], steps[:, 0]]) / lengths[:, None]
+    places = shapely.points(middles + distance * left)
+    shapely.prepare([curve, beside])
+    near = shapely.dwithin(curve, places, abs(distance) - _BESIDE) | shapely.dwithin(beside, places, _COVERED)
+    return float(lengths[~near].sum())
 
 
 def with_ends(line: Floats, ring: Floats | None, source: str) -> Floats:

@@ -28,12 +28,17 @@ class Track:
         """positions that were too far from the one before to be believed"""
         self._far: list[tuple[float, float]] = []  # the newest of these, as long as they agree
 
+    @property
+    def is_full(self) -> bool:
+        """Whether no more positions are taken."""
+        return len(self.points) >= _MOST
+
     def add(self, east: float, north: float) -> bool:
         """Take a position, m; return whether it was kept. A vehicle that stands adds nothing.
 
         Where positions were missing for a while, as without an RTK fix, the curve continues straight across the gap.
         """
-        if not math.isfinite(east + north) or len(self.points) >= _MOST:
+        if not math.isfinite(east + north) or self.is_full:
             return False
         place = (east, north)
         step = math.dist(place, self.points[-1]) if self.points else math.inf

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from drawbar.codegen import build
 from drawbar.codegen.library import load
-from drawbar.errors import PathError
+from drawbar.errors import PathError, demand_number
 from drawbar.geometry import Floats
 
 Complexes = NDArray[np.complex128]
@@ -111,8 +111,11 @@ class Path:
         """Return the parallel line so far to the left (right: negative), m.
 
         Raises:
-            PathError: the path curves too tightly towards that side.
+            PathError: the path curves too tightly towards that side, or the offset is no length.
         """
+        demand_number("offset", offset, "give m", PathError)
+        if not math.isfinite(offset):
+            raise PathError(f"offset = {offset} m is not allowed: give a finite one, to the left positive")
         if offset == 0.0:
             return self
         nodes = self.nodes[:, 0]

@@ -13,7 +13,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from datetime import datetime
 from functools import cache
-from operator import attrgetter
 from pathlib import Path
 from typing import Any, Protocol, Self, get_args
 
@@ -24,11 +23,12 @@ from mcap.records import Attachment, Metadata
 from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
 
-from drawbar.errors import DrawbarError, demand_path
+from drawbar.errors import DrawbarError, demand, demand_path
 from drawbar.geometry import Floats
 from drawbar.guidance.path import Path as DrivenPath
 from drawbar.recording.frames import Damage, DamagedLogError
 from drawbar.recording.losses import Losses
+from drawbar.recording.named_numbers import no_number, number_of
 from drawbar.recording.stream import Logged, LoggedMessage, read_records
 from drawbar.signals import StepRecord
 from drawbar.step.layout import StepLayout
@@ -169,14 +169,18 @@ class RunLog:
         """Return one number of every step, (n,); NaN where the step has no truth, or no plan whose deviation it is.
 
         The name is that of the field in StepRecord, as in `estimate.tractor.x`; of an array with the place in it, as in
-        `plan.tractor.deviation.0`.
+        `plan.tractor.deviation.0`. Raises DrawbarError where there is no such number.
         """
-        value = _number(name)
+        demand("name", name, str, "give one such as 'estimate.tractor.x'")
+        value = number_of(name)
         of_truth = name.startswith("truth.")
-        return np.array(
-            [np.nan if of_truth and record.truth is None else value(record) for record in self.records],
-            dtype=float,
-        )
+        try:
+            return np.array(
+                [np.nan if of_truth and record.truth is None else value(record) for record in self.records],
+                dtype=float,
+            )
+        except (AttributeError, TypeError):
+            raise DrawbarError(no_number(name, self.records[0])) from None
 
 
 class Columns(Protocol):
@@ -208,20 +212,6 @@ class Columns(Protocol):
 
     def column(self, name: str) -> Floats:
         """Return one number of every step, (n,)."""
-
-
-def _number(name: str) -> Callable[[StepRecord], Any]:
-    """Return what reads one number of a step."""
-    head, _, place = name.rpartition(".")
-    if not place.isdigit():
-        return attrgetter(name)
-    array, index = attrgetter(head), int(place)
-
-    def number(record: StepRecord) -> Any:
-        numbers = array(record)
-        return numbers[index] if index < numbers.size else np.nan
-
-    return number
 
 
 def encode_special(value: Any) -> Any:

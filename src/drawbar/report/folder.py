@@ -1,5 +1,6 @@
 """Folder of a run: what a run leaves in it besides the log, all of it made from the log alone."""
 
+import errno
 import os
 from dataclasses import replace
 from pathlib import Path
@@ -15,6 +16,7 @@ from drawbar.report.path_errors import estimated_path_errors, true_path_errors
 from drawbar.report.picture import render_picture
 
 REPORT_NAMES = ("metrics.json", "report.html", "map.svg")
+_FULL = (errno.ENOSPC, errno.EDQUOT)
 
 
 def write_report(folder: str | os.PathLike[str], log_file: str | os.PathLike[str] | None = None) -> Metrics:
@@ -44,9 +46,10 @@ def write_report(folder: str | os.PathLike[str], log_file: str | os.PathLike[str
         for name, content in zip(REPORT_NAMES, contents, strict=True):
             _write_whole(folder / name, content)
     except OSError as error:
+        again = f"free space, then `drawbar report {file}`, or " if error.errno in _FULL else ""
         raise StorageError(
-            f"{folder}: the report cannot be written ({error.strerror}); the log is kept: free space, then "
-            f"`drawbar report {file}`, or choose another folder by its --out"
+            f"{folder}: the report cannot be written ({error.strerror}); the log is kept: {again}choose another "
+            f"folder, `drawbar report {file} --out FOLDER`"
         ) from error
     return metrics
 

@@ -15,15 +15,18 @@ _STRAIGHT, _CURVE = 2, 4
 
 
 def read(folder: Path) -> tuple[Field, ...]:
-    """Return the field of a folder. Its A-B lines go from boundary to boundary, or 100 m on; raises PathError."""
-    frame, lines, boundary = field_lines(folder)
+    """Return the field of a folder. Its A-B lines go from boundary to boundary, or 100 m on; raises PathError.
+
+    Lines that cannot be driven are left out.
+    """
+    frame, lines, boundary, left_out = field_lines(folder)
 
     def degrees(points: Floats) -> list[tuple[float, float]]:
         latitude, longitude = plane_to_wgs84(points[:, 0], points[:, 1], frame)
         return list(zip(latitude.tolist(), longitude.tolist(), strict=True))
 
     found = [(line.name, degrees(np.column_stack([line.x, line.y]))) for line in lines]
-    return (make_field(str(folder), folder.name, found, degrees(boundary.ring) if boundary else None),)
+    return (make_field(str(folder), folder.name, found, degrees(boundary.ring) if boundary else None, left_out),)
 
 
 def write(field: Field) -> bytes:

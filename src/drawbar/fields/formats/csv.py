@@ -5,6 +5,7 @@ Columns are separated by comma, semicolon or tabulator; with the latter two a de
 
 import csv
 import io
+import re
 from pathlib import Path
 
 import numpy as np
@@ -17,14 +18,18 @@ from drawbar.guidance.importers.csv import read_csv, separator_of
 from drawbar.guidance.importers.text import number, read_text
 
 _HEADER = ["line", "latitude", "longitude"]
+_ABOVE = re.compile(r"\A(?:[^\S\r\n]*(?:#[^\r\n]*)?(?:\r\n|\r|\n))*")
+"""empty rows and comments above the header; below it a # begins a name"""
 
 
 def read(path: Path, frame: LocalFrame) -> tuple[Field, ...]:
     """Return the lines of a file; x and y count from the frame's origin. Raises PathError with the row."""
-    text = read_text(path).lstrip()
-    separator = separator_of(text.splitlines()[0])
+    text = read_text(path)
+    below = _ABOVE.sub("", text, count=1)
+    above = len(text[: len(text) - len(below)].splitlines())
+    separator = separator_of(next(iter(below.splitlines()), ""))
     try:
-        rows = list(csv.reader(io.StringIO(text, newline=None), delimiter=separator))
+        rows = list(csv.reader(io.StringIO(below, newline=None), delimiter=separator)) or [[]]
     except csv.Error as error:
         raise PathError(f"{path}: is no table: {error}; export it again") from None
     if [cell.strip().lower() for cell in rows[0]] != _HEADER:
@@ -32,7 +37,7 @@ def read(path: Path, frame: LocalFrame) -> tuple[Field, ...]:
         points = on_earth(np.column_stack([line.x, line.y]), frame)
         return (make_field(str(path), path.stem, [(line.name, [(p[0], p[1]) for p in points.tolist()])]),)
     lines: dict[str, list[tuple[float, float]]] = {}
-    for index, row in enumerate(rows[1:], 2):
+    for index, row in enumerate(rows[1:], above + 2):
         if not row:
             continue
         place = f"{path}:{index}"

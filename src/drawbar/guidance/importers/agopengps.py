@@ -39,14 +39,21 @@ def read_agopengps(folder: Path, track: str | None, extension: float = 0.0) -> R
     return replace(line, x=points[:, 0].copy(), y=points[:, 1].copy(), frame=frame)
 
 
-def field_lines(folder: Path) -> tuple[LocalFrame, list[RecordedLine], Boundary | None]:
-    """Return a field folder's origin, all its lines and its edge, on AgOpenGPS's plane, m; errors as read_agopengps.
+def field_lines(folder: Path) -> tuple[LocalFrame, list[RecordedLine], Boundary | None, list[str]]:
+    """Return a field folder's origin, its lines and its edge, on AgOpenGPS's plane, m; errors as read_agopengps.
 
-    A-B lines go from boundary to boundary, or without one 100 m on.
+    A-B lines go from boundary to boundary, or without one 100 m on. Lines that cannot be driven, such as a pivot or one
+    with a nudge, are left out; why stands in the list.
     """
     files = _files(folder)
     edge = _edge(files)
-    return _frame(files[_ORIGIN.lower()]), [line.read(edge, 0.0) for line in _lines(files)[0]], edge
+    lines, left_out = [], []
+    for found in _lines(files)[0]:
+        try:
+            lines.append(found.read(edge, 0.0))
+        except PathError as error:
+            left_out.append(str(error))
+    return _frame(files[_ORIGIN.lower()]), lines, edge, left_out
 
 
 def _files(folder: Path) -> dict[str, Path]:

@@ -28,7 +28,10 @@ _LOOK = f"""body{{font:15px/1.45 {style.FONT};color:{style.INK}}}
 body{{max-width:{WIDTH:.0f}px;margin:32px auto;padding:0 16px}}
 h2{{margin-top:40px}} td,th{{padding:3px 14px 3px 0;text-align:right}} td:first-child,th:first-child{{text-align:left}}
 table{{border-collapse:collapse;margin:12px 0}} tr{{border-bottom:1px solid {style.GRID}}} pre{{white-space:pre-wrap}}
-svg{{max-width:100%;height:auto}} .empty{{color:#B00020;font-weight:600}}"""
+svg{{max-width:100%;height:auto}} .empty{{color:#B00020;font-weight:600}} .wide{{overflow-x:auto}}
+@media(max-width:600px){{svg{{max-width:none}} table{{font-size:13px}} td,th{{padding-right:8px}}}}
+@media(max-width:600px){{td:not(:first-child){{white-space:nowrap}}}}"""
+"""on a phone, pictures are as large as they are, and what is too wide scrolls by itself"""
 
 
 _INTRODUCTION = """<p>A controller plans as if nothing disturbed the vehicle. What does disturb it, and errors of the
@@ -63,7 +66,8 @@ def write_page(
     sections = "".join(_section(name, tube, advice[name], pictures.get(name, "")) for name, tube in tubes.items())
     heading = f"Tubes of {configuration.name}"
     page = (
-        f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{escape(heading)}</title>'
+        f'<!doctype html><html lang="en"><head><meta charset="utf-8">'
+        f'<meta name="viewport" content="width=device-width,initial-scale=1"><title>{escape(heading)}</title>'
         f"<style>{_LOOK}</style></head><body><h1>{escape(heading)}</h1>"
         f"<p>Nominal state {escape(configuration.tube.nominal)}, set speed {configuration.speed:g} m/s.</p>"
         f"{_INTRODUCTION}{sections}</body></html>\n"
@@ -83,7 +87,7 @@ def _picture(tube: SubsystemTube, recorded: Sequence[Recording]) -> str:
 
 
 def _section(name: str, tube: SubsystemTube, advice: Sequence[str], picture: str) -> str:
-    parts = [f"<h2>{escape(name.capitalize())}</h2><pre>{escape(law_text(tube))}</pre>{picture}"]
+    parts = [f"<h2>{escape(name.capitalize())}</h2><pre>{escape(law_text(tube))}</pre>{_wide(picture)}"]
     if tube.invariant_set is not None:
         parts += [_table("Set", SET_COLUMNS, set_rows(tube)), f"<p>{_SET_NOTE}</p>"]
         parts += [_table("Bounds", bound_columns(tube), bound_rows(tube)), f"<p>{_BOUNDS_NOTE}</p>"]
@@ -94,7 +98,11 @@ def _section(name: str, tube: SubsystemTube, advice: Sequence[str], picture: str
 
 def _table(head: str, columns: Sequence[str], rows: Sequence[Row]) -> str:
     lines = [_row("th", head, columns), *(_row("td", name, cells) for name, cells in rows)]
-    return f"<table>{''.join(lines)}</table>"
+    return _wide(f"<table>{''.join(lines)}</table>")
+
+
+def _wide(content: str) -> str:
+    return f'<div class="wide">{content}</div>'
 
 
 def _row(tag: str, name: str, cells: Sequence[str]) -> str:
