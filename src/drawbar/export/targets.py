@@ -21,7 +21,7 @@ SMALL = {"line.c": "-Os", "sanity.c": "-Os", "alignment.c": "-Os"}
 """sources whose time does not count, and what is asked for them beside these flags: that they are small"""
 _SIZED = "-fstack-size-section"
 _ROLLED = ("-mllvm", "-unroll-allow-partial=false")
-"""for a Cortex-M, whose loops would be unrolled in part: a quarter more code, for 0.2 % (M4) to 5 % (M7) fewer instructions"""
+"""for a Cortex-M: loops unrolled in part are a quarter more code, for 0.2 % (M4) to 5 % (M7) fewer instructions"""
 
 
 class Precision(StrEnum):
