@@ -41,7 +41,7 @@ ROUTES = {
             ": -1;\n        if (changes < 0)\n            __builtin_trap();\n        if",
         ),
         ("held_again.h", "h->last = -1;", "h->last = N - 1;"),
-        ("held_again.h", "if (kept && changes == 0) ", "if (0) "),
+        ("held_again.h", "if (kept && changes == 0 && held_settled(s, h))", "if (0)"),
         ("optimise.h", "if (outcome != HELD_SETTLED)", "if (0)"),
     ),
     "columns": (

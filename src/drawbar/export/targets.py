@@ -20,6 +20,8 @@ FLAGS = (
 SMALL = {"line.c": "-Os", "sanity.c": "-Os", "alignment.c": "-Os"}
 """sources whose time does not count, and what is asked for them beside these flags: that they are small"""
 _SIZED = "-fstack-size-section"
+_ROLLED = ("-mllvm", "-unroll-allow-partial=false")
+"""for a Cortex-M: loops unrolled in part are a quarter more code, for 0.2 % (M4) to 5 % (M7) fewer instructions"""
 
 
 class Precision(StrEnum):
@@ -94,7 +96,7 @@ TARGETS = (
         name="cortex-m7",
         triple="thumb-freestanding-eabihf",
         # its unit for doubles; one lane at a time, as it has no SIMD for doubles: more would only cost stack
-        flags=(_SIZED, "-mcpu=cortex_m7+fp_armv8d16", "-fno-unwind-tables", "-DLANES=1"),
+        flags=(_SIZED, "-mcpu=cortex_m7+fp_armv8d16", *_ROLLED, "-fno-unwind-tables", "-DLANES=1"),
         headers=("arm-linux-musl", "generic-musl"),
         static="libdrawbar.a",
     ),
@@ -102,7 +104,7 @@ TARGETS = (
         name="cortex-m4",
         triple="thumb-freestanding-eabihf",
         # a unit for floats alone: doubles are computed by __aeabi_dadd and its kind, of the C compiler's own library
-        flags=(_SIZED, "-mcpu=cortex_m4+vfp4d16sp", "-fno-unwind-tables", "-DLANES=1"),
+        flags=(_SIZED, "-mcpu=cortex_m4+vfp4d16sp", *_ROLLED, "-fno-unwind-tables", "-DLANES=1"),
         headers=("arm-linux-musl", "generic-musl"),
         static="libdrawbar.a",
     ),

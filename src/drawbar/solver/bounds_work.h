@@ -23,6 +23,8 @@ struct active_set {
 /* Work of held_set.h: what each bound does, and the recursion's vectors. */
 struct held_set {
     double p[N + 1][WIDTH], feedforward[N][NU];
+    double left[N][NU], rest[N][NU][WIDTH];    /* of a held input's gradient under the laws, left + rest x, */
+    double stiffness[N][NU];               /* and how it changes with the input */
     double g[NZ], curve[NZ];               /* the cost's gradient, and what prices add to its curvature */
     double nu[AT_LEAST_ONE(NB)];           /* multipliers: positive pulls up */
     int32_t side[AT_LEAST_ONE(NB)], by[N][NU];   /* by: the bound that says what an input does, or -1 */

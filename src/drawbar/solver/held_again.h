@@ -1,14 +1,12 @@
 /* Held again: with which bounds the held set begins. A controller has a sequence of problems, each much like the one before.
  * The bounds that held inputs in the last one are kept, move on with the trajectory, and are taken into the factorisation that
  * is made before the problem is complete. Where they are those of the new problem too, two sweeps solve it, as without any
- * bound. Else it begins a second time with none.
+ * bound. Else it goes on from there; where that does not settle, it begins a second time with none.
  */
 #ifndef DRAWBAR_HELD_AGAIN_H
 #define DRAWBAR_HELD_AGAIN_H
 
 #include "held_set.h"
-
-#define KEPT_PASSES 3                      /* with bounds that are kept; the first is those two sweeps */
 
 /* The place in z of what the bound that is kept for an input speaks of; -1 where none is kept, or where the input does not
  * move it by this linearisation. */
@@ -25,6 +23,7 @@ static inline int held_place(const struct qp *s, int k, int a)
 static inline int held_factor(struct qp *restrict s)
 {
     struct held_hessian H ON_STACK;
+    double rest[NU][WIDTH];
     int any = 0;
 
     for (int k = 0; k < N; ++k)
@@ -41,7 +40,7 @@ static inline int held_factor(struct qp *restrict s)
         held_hessian(s, NULL, k, &H);
         if (!held_gains(s, k, at, limit, &H, asked))
             return 0;
-        held_cost(s, NULL, k, &H);
+        held_cost(s, NULL, k, &H, rest);
     }
     return 1;
 }
@@ -118,7 +117,7 @@ static int held_first(struct qp *restrict s, struct held_set *restrict h)
         h->p[N][i] = STATE(s->g, N)[i];
     for (int k = N - 1; k >= 0; --k)
         held_vectors_by_factors(s, h, k);
-    return held_forward(s, h);
+    return held_forward(s, h, 0);
 }
 
 /* Solve with bounds by a factorisation with the laws of those that are kept, maybe none. Where it does not settle, or where
@@ -131,9 +130,9 @@ static enum held_outcome qp_held(struct qp *s, struct held_set *h)
     s->iterations = kept;
     if (changes < 0)
         return HELD_FOREIGN;
-    if (kept && changes == 0)              /* bounds that hold the wrong way are let go of sooner by beginning with none */
-        return held_settled(s, h) ? HELD_SETTLED : HELD_UNSETTLED;
-    return held_settle(s, h, changes, kept ? KEPT_PASSES : HELD_PASSES);
+    if (kept && changes == 0 && held_settled(s, h))
+        return HELD_SETTLED;
+    return held_settle(s, h, changes, kept);
 }
 
 #endif

@@ -14,6 +14,7 @@
 #include "held_sweep.h"
 
 #define HELD_PASSES 8
+#define KEPT_PASSES 5                      /* with bounds that are kept (held_again.h): the first is two sweeps alone */
 
 /* Where an input may go: low to high, and which bounds say so, -1 for none. */
 struct held_room {
@@ -89,6 +90,21 @@ static inline int held_stays(const struct qp *s, const struct held_set *h, int k
     return 1;
 }
 
+/* Let an input go that its bound holds back from where the cost falls, as the way forward has led to this state: of bounds in a
+ * row, all that have to go after the first do so in one pass. The way goes on from the input's best. */
+static inline void held_let_go(const struct qp *s, struct held_set *h, int k, int a, const pack *x, double *u)
+{
+    const int i = h->by[k][a];
+
+    if (i < 0)
+        return;
+    const double left = add_dot(h->left[k][a], h->rest[k][a], x);
+    if (left * h->side[i] * held_lead(s, i, k, a) > 0.0 && s->lower[i] < s->upper[i]) {
+        h->by[k][a] = -1;
+        *u -= left / h->stiffness[k][a];
+    }
+}
+
 /* Bring an input to where it may be. Returns how many of its bounds have changed, or -1 where a hard one leaves no room. */
 static int held_clip(const struct qp *restrict s, struct held_set *restrict h, int k, int a, const pack *x, double *restrict u)
 {
@@ -118,9 +134,10 @@ static int held_clip(const struct qp *restrict s, struct held_set *restrict h, i
     return changes;
 }
 
-/* Forward by the laws, with every input within its room, and multipliers of the costs to go. Returns how many bounds have
- * changed, or -1 where one is violated that cannot be held here. */
-static int held_forward(struct qp *restrict s, struct held_set *restrict h)
+/* Forward by the laws, with every input within its room, and multipliers of the costs to go; may_let_go: where the way backward
+ * has told of held inputs' gradients. Returns how many bounds have changed, or -1 where one is violated that cannot be held
+ * here. */
+static int held_forward(struct qp *restrict s, struct held_set *restrict h, int may_let_go)
 {
     double now[NX];
     int changes = 0;
@@ -132,6 +149,8 @@ static int held_forward(struct qp *restrict s, struct held_set *restrict h)
         state_and_multiplier(s, k, now, h->p[k], x, s->z, s->pi);
         for (int a = 0; a < NU && k < N; ++a) {
             u[a] = add_dot(h->feedforward[k][a], s->K[k][a], x);
+            if (may_let_go)
+                held_let_go(s, h, k, a, x, &u[a]);
             const int changed = held_stays(s, h, k, a, x, u[a]) ? 0 : held_clip(s, h, k, a, x, &u[a]);
             if (changed < 0)
                 return -1;
@@ -189,11 +208,12 @@ static int held_settled(struct qp *restrict s, struct held_set *restrict h)
 }
 
 /* Pass after pass until nothing changes, from a sweep forward that has changed so many bounds (-1: it cannot go on). Counts
- * them by s->iterations. */
-static enum held_outcome held_settle(struct qp *s, struct held_set *h, int changes, int passes)
+ * them by s->iterations. Begun with bounds that are kept, the way forward lets inputs go too; with none, few are held that have
+ * to go, and without it more settle. */
+static enum held_outcome held_settle(struct qp *s, struct held_set *h, int changes, int kept)
 {
-    while (changes >= 0 && s->iterations++ < passes) {
-        changes = held_backward(s, h) ? held_forward(s, h) : -1;
+    while (changes >= 0 && s->iterations++ < (kept ? KEPT_PASSES : HELD_PASSES)) {
+        changes = held_backward(s, h) ? held_forward(s, h, kept) : -1;
         if (changes == 0 && held_settled(s, h))
             return HELD_SETTLED;
     }

@@ -165,11 +165,11 @@ static int held_gains(struct qp *restrict s, int k, const int *restrict at, cons
     return 1;
 }
 
-/* P_k under these gains, which need not be the best ones; curve as in held_hessian. */
-static void held_cost(struct qp *restrict s, const double *restrict curve, int k, const struct held_hessian *restrict H)
+/* P_k under these gains, which need not be the best ones; curve as in held_hessian. rest: how the inputs' gradients go with the
+ * state: zero but where they are held. */
+static void held_cost(struct qp *restrict s, const double *restrict curve, int k, const struct held_hessian *restrict H,
+                      double (*restrict rest)[WIDTH])
 {
-    double rest[NU][WIDTH];                /* of the inputs' gradient: zero but where they are held */
-
     UNROLLED for (int a = 0; a < NU; ++a) {
         pack row[PACKS];
         read_row(row, H->Hux[a]);
@@ -306,6 +306,17 @@ static int held_release(struct qp *restrict s, struct held_set *restrict h, int 
     return 0;
 }
 
+/* What the gradients of a stage's held inputs are under the laws where the state is zero, and how stiff these are. */
+static inline void held_left(struct held_set *restrict h, int k, const struct held_hessian *restrict H)
+{
+    UNROLLED for (int a = 0; a < NU; ++a) {
+        h->left[k][a] = H->hu[a];
+        for (int b = 0; b < NU; ++b)
+            h->left[k][a] += h->by[k][b] < 0 ? H->Huu[a][b] * h->feedforward[k][b] : 0.0;
+        h->stiffness[k][a] = H->Huu[a][a];
+    }
+}
+
 /* Backward from the last bound that was ever held: releases, laws and costs to go; returns 0 on failure. */
 static int held_backward(struct qp *restrict s, struct held_set *restrict h)
 {
@@ -336,8 +347,9 @@ static int held_backward(struct qp *restrict s, struct held_set *restrict h)
         }
         if (!held_gains(s, k, at, limit, &H, asked))
             return 0;
-        held_cost(s, h->curve, k, &H);
+        held_cost(s, h->curve, k, &H, h->rest[k]);
         held_vectors_by_hessian(s, h, k, asked, &H);
+        held_left(h, k, &H);
     }
     return 1;
 }
