@@ -15,6 +15,8 @@
 #define DRAWBAR_SLIDE_H
 
 #include <math.h>
+#include <string.h>
+#include "apart.h"
 #include "geometry.h"
 #include "ground_record.h"
 #include "signals.h"
@@ -71,7 +73,7 @@ static inline void slide_row(const struct slide *slide, struct axle axle, double
 }
 
 /* Know no more than at first of anything. */
-static inline void slide_doubt(struct slide *slide)
+static APART void slide_doubt(struct slide *slide)
 {
     for (int i = 0; i < SLIDE_TERMS; ++i) {
         const double deviation = slide_prior(slide, i);
@@ -88,7 +90,7 @@ static inline void slide_begin(struct slide *slide)
 }
 
 /* Side-slip by the slope to the east and to the north, rad, and by a curve, rad/g. */
-static inline void slide_told(const struct slide *slide, double *told)
+static APART void slide_told(const struct slide *slide, double *told)
 {
     for (int i = 0; i < 2; ++i)
         told[i] = slide->value[i] + slide->value[SLIDE_CREEP] * slide->falls[i];
@@ -96,7 +98,7 @@ static inline void slide_told(const struct slide *slide, double *told)
 }
 
 /* At which angle to its left slope and curve draw an axle, rad. */
-static inline double slide_across(const struct slide *slide, struct axle axle)
+static APART double slide_across(const struct slide *slide, struct axle axle)
 {
     double told[3];
 
@@ -105,7 +107,7 @@ static inline double slide_across(const struct slide *slide, struct axle axle)
 }
 
 /* Take in how a body that faces so stands on the ground for a sample, rad, s; NaN: nobody knows. */
-static inline void slide_stand(struct slide *slide, double yaw, double roll, double pitch, double sample_time)
+static APART void slide_stand(struct slide *slide, double yaw, double roll, double pitch, double sample_time)
 {
     double slope[2];
 
@@ -121,7 +123,7 @@ static inline void slide_stand(struct slide *slide, double yaw, double roll, dou
 }
 
 /* Take in the side-slip (rad) of an axle. */
-static inline void slide_take(struct slide *slide, struct axle axle, double crab)
+static APART void slide_take(struct slide *slide, struct axle axle, double crab)
 {
     double row[SLIDE_TERMS], gain[SLIDE_TERMS], spread = slide->noise * slide->noise, error = crab;
 
@@ -150,7 +152,7 @@ static inline void slide_take(struct slide *slide, struct axle axle, double crab
 }
 
 /* Let a sample pass: what is known goes back towards the prior, so that east and north walk by `walk`. */
-static inline void slide_walk(struct slide *slide)
+static APART void slide_walk(struct slide *slide)
 {
     const double share = slide->walk / slide->prior, fresh = fmin(share * share, 1.0);
 

@@ -9,16 +9,12 @@
 #ifndef DRAWBAR_ARRIVAL_H
 #define DRAWBAR_ARRIVAL_H
 
+#include "apart.h"
 #include "rti.h"
 
 #define OLD (NX + NU + 1)                  /* columns: dx, du, right-hand side; or du, d = x_1 - F, right-hand side */
 #define OLD_PACKS ((OLD + PACK - 1) / PACK)
 #define OLD_WIDTH (OLD_PACKS * PACK)
-#if defined(__GNUC__)
-#define APART __attribute__((noinline))    /* its matrices shall not lie on the stack beside those of the caller */
-#else
-#define APART
-#endif
 
 /* Generated: the Jacobian of the first stage's outputs, and h in the last column; what never changes by itself. */
 static void output_constants(const struct rti *work, double (*rows)[OLD_WIDTH]);
