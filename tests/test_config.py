@@ -255,6 +255,12 @@ def test_a_file_that_cannot_be_read_is_refused(tmp_path: Path) -> None:
         assert ", ".join(shipped_names()) in message
 
 
+@pytest.mark.skipif(not Path("/dev/zero").exists(), reason="this system has no file without end")
+def test_a_file_without_end_is_no_configuration() -> None:
+    with pytest.raises(ConfigurationError, match=r"/dev/zero: is longer than a million characters"):
+        load_configuration("/dev/zero")
+
+
 def test_the_nearest_name_is_suggested() -> None:
     assert refusal("articulatd").startswith(
         "articulatd: is neither a file nor a shipped configuration (did you mean articulated?); give"

@@ -293,6 +293,8 @@ def _anchor(data: dict[str, Any], folder: str | Path) -> None:
 
 
 _TAGS = ("model", "kind")
+_LARGEST = 1_000_000
+"""characters that a configuration file has at most"""
 """keys that say which one of several a section describes"""
 
 
@@ -316,13 +318,19 @@ def _read(source: str) -> tuple[str, str]:
     if not os.path.exists(source):
         raise _unknown(source, source)
     try:
-        return Path(source).read_text("utf-8-sig"), source
+        with open(source, encoding="utf-8-sig") as file:
+            text = file.read(_LARGEST + 1)
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else "not UTF-8 text"
         raise ConfigurationError(
             f"{source}: cannot be read as a configuration ({reason}); "
             f"give a TOML file or one of: {', '.join(shipped_names())}."
         ) from error
+    if len(text) > _LARGEST:
+        raise ConfigurationError(
+            f"{source}: is longer than a million characters, so it is no configuration; give another."
+        )
+    return text, source
 
 
 def _unknown(place: str, source: str) -> ConfigurationError:

@@ -54,6 +54,11 @@ def test_golden_replies_are_understood() -> None:
     assert [station_of(found) for found in RtcmFramer().feed(frame)] == [vectors["rtcm_1005"]["station"]]
 
 
+def test_an_address_with_colons_stands_in_brackets() -> None:
+    request = ntrip_request(mount="MOUNT", host="::1", port=2101, agent="drawbar/0.2", version=2)
+    assert b"\r\nHost: [::1]:2101\r\n" in request
+
+
 def test_request_without_login_and_with_position() -> None:
     sentence = upload_of(with_checksum(GGA))
     request = ntrip_request(mount="M", host="h", port=1, agent="a/1", version=2, position=sentence)

@@ -337,7 +337,7 @@ def steps_per_sample(sample_time: float, step: float) -> int:
     steps = whole_steps(sample_time, step)
     if not steps:
         raise ConfigurationError(
-            f"the sample time {sample_time} s is not a positive multiple of the simulated machine's step of "
-            f"{step} s; change that step so that it divides the sample time"
+            f"the sample time {sample_time} s is not a positive multiple of machine.step = {step} s; "
+            "set machine.step so that it divides the sample time, such as 0.01"
         )
     return steps

@@ -21,14 +21,15 @@ def ntrip_request(
 
     Args:
         mount: mount point, without slash.
-        host: the caster's name.
+        host: the caster's name or address.
         port: its port.
         agent: program and version, such as `drawbar/0.2`.
         version: of NTRIP, 1 or 2.
         login: `user:password`; empty: the caster asks for none.
         position: a GGA sentence for version 2's header; empty: none.
     """
-    lines = [f"GET /{mount} HTTP/1.{version - 1}", f"Host: {host}:{port}"]
+    name = f"[{host}]" if ":" in host else host
+    lines = [f"GET /{mount} HTTP/1.{version - 1}", f"Host: {name}:{port}"]
     if version == 2:
         lines.append("Ntrip-Version: Ntrip/2.0")
     lines.append(f"User-Agent: NTRIP {agent}")
