@@ -85,8 +85,8 @@ def test_on_a_slope_that_is_seen_it_is_regularised_least_squares_with_creep_in_b
     falls = slope[0] * np.sin(yaws) - slope[1] * np.cos(yaws)  # to the left
     rows = np.column_stack([-np.sin(yaws), np.cos(yaws), falls - pushes, np.ones(80), -pushes])
     settings = {"walk": 0.0, "beyond_slope": 0.02, "creep_prior": 0.3, "constant_prior": 0.01, "noise": 0.05}
-    information = np.diag(np.array([0.02, 0.02, 0.3, 0.01, 0.3]) ** -2) + rows.T @ rows / 0.05**2
-    expected = np.linalg.solve(information, rows.T @ crabs / 0.05**2)
+    information = np.diag(np.array([0.02, 0.02, 0.3, 0.01, 0.3]) ** -2) + rows.T @ rows / 0.025**2
+    expected = np.linalg.solve(information, rows.T @ crabs / 0.025**2)
     np.testing.assert_allclose(found(yaws, pushes, crabs, slope, **settings), expected, rtol=1e-9)
 
 

@@ -204,8 +204,9 @@ class SlideSettings(Settings):
     constant_prior: PositiveAngle = 0.015
     """of what is the same in all headings, such as an antenna that stands 10 cm further aside than stated, 5 m from
     the other, rad"""
-    noise: PositiveAngle = 0.06
-    """of one estimated side-slip, which is much like the one before, rad"""
+    noise: PositiveAngle = 0.12
+    """of one estimated side-slip, which is much like the one before, without an attitude sensor; half as much with one,
+    rad"""
 
 
 class ArticulatedEstimatorSettings(Settings):

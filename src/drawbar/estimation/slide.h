@@ -125,7 +125,8 @@ static APART void slide_stand(struct slide *slide, double yaw, double roll, doub
 /* Take in the side-slip (rad) of an axle. */
 static APART void slide_take(struct slide *slide, struct axle axle, double crab)
 {
-    double row[SLIDE_TERMS], gain[SLIDE_TERMS], spread = slide->noise * slide->noise, error = crab;
+    const double noise = slide->seen > 0.0 ? 0.5 * slide->noise : slide->noise;   /* without a sensor the masts' swing is in it */
+    double row[SLIDE_TERMS], gain[SLIDE_TERMS], spread = noise * noise, error = crab;
 
     slide_row(slide, axle, row);
     for (int i = 0; i < SLIDE_TERMS; ++i) {
