@@ -17,7 +17,7 @@ FLAGS = (
     "-g0",
 )
 """The same on all targets. No fused multiply-add, so that targets agree; never -ffast-math."""
-SMALL = {"line.c": "-Os", "sanity.c": "-Os", "alignment.c": "-Os"}
+SMALL = {"line.c": "-Os", "sanity.c": "-Os", "alignment.c": "-Os", "actuate.c": "-Os"}
 """sources whose time does not count, and what is asked for them beside these flags: that they are small"""
 _SIZED = "-fstack-size-section"
 _ROLLED = ("-mllvm", "-unroll-allow-partial=false")
