@@ -233,6 +233,15 @@ def test_side_slope_carries_the_machine_sideways_without_turning_it(
     assert after.trailer.yaw == pytest.approx(0.0, abs=1e-12)
 
 
+def test_the_slide_tells_the_side_slips_in_all_headings(build: Build, ideal: SimulatedMachineSettings) -> None:
+    terrain = ideal.terrain.model_copy(update={"slope": 0.09, "downhill": 2.0, "creep": 0.4})
+    machine = build(ideal.model_copy(update={"terrain": terrain}))
+    for _, truth in weave(machine, 100):
+        tractor = machine.slide(truth.speed).across(truth.tractor.yaw, truth.speed, 0.3)  # no curve draws an axle
+        trailer = machine.slide(truth.speed).across(truth.trailer.yaw, truth.speed, 0.3)
+        assert (truth.tractor_crab, truth.trailer_crab) == pytest.approx((tractor, trailer), abs=5e-5)
+
+
 def test_bump_displaces_at_rest_as_it_says(build: Build, drive: Drive, ideal: SimulatedMachineSettings) -> None:
     """At rest nothing else moves: left is +90° from yaw, the trailer swings about the free joint.
 

@@ -126,8 +126,19 @@ def test_crab_on_a_side_slope(
     expected = downhill * math.atan(math.tan(SLOPE) * share)
     assert np.mean([truth.tractor_crab for truth in truths]) == pytest.approx(expected, rel=0.02)
     assert np.mean([truth.trailer_crab for truth in truths]) == pytest.approx(expected, rel=0.02)
+    assert machine.slide(speed).across(truths[-1].tractor.yaw, speed, 0.0) == pytest.approx(expected, rel=0.02)
     if share == 0.36:
         assert abs(math.degrees(expected)) == pytest.approx(1.8, abs=0.01)  # the soft ground of the validation
+
+
+@pytest.mark.parametrize("creep", [0.0, 0.36])
+def test_a_curve_draws_the_trailers_axle_outwards_as_the_slide_tells(build: Build, drive: Drive, creep: float) -> None:
+    machine = build(terrain={"creep": creep})
+    *_, before, last = drive(machine, 100, speed=2.0, tractor=0.2)
+    turn = (last.trailer.yaw - before.trailer.yaw) / 0.2
+    told = machine.slide(2.0).across(last.trailer.yaw, 2.0, turn)
+    assert told < (-0.01 if creep else -0.001)
+    assert last.trailer_crab == pytest.approx(told, rel=0.1, abs=1e-3)
 
 
 def test_a_vehicle_at_rest_slides_where_the_contact_creeps_at_a_speed(build: Build, drive: Drive) -> None:
