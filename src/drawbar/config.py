@@ -293,9 +293,9 @@ def _anchor(data: dict[str, Any], folder: str | Path) -> None:
 
 
 _TAGS = ("model", "kind")
+"""keys that say which one of several a section describes"""
 _LARGEST = 1_000_000
 """characters that a configuration file has at most"""
-"""keys that say which one of several a section describes"""
 
 
 def _merged(basis: dict[str, Any], data: dict[str, Any]) -> dict[str, Any]:
@@ -328,7 +328,7 @@ def _read(source: str) -> tuple[str, str]:
         ) from error
     if len(text) > _LARGEST:
         raise ConfigurationError(
-            f"{source}: is longer than a million characters, so it is no configuration; give another."
+            f"{source}: is longer than a million characters, so it is no configuration; give a TOML file."
         )
     return text, source
 

@@ -59,7 +59,7 @@ def drive(
         machine: to drive.
         autopilot: that has been given its path.
         time_limit: s after the first measurement, when the run is given up; the machine's clock may begin anywhere.
-        estimate: gives what an ideal estimator hands on, where the tractor turns so much later than its wheels, s.
+        estimate: gives an ideal estimator each sample's estimate; called with the last step's body lag, s.
         between: called between a step's two phases, after the command is out.
 
     Raises:
@@ -149,7 +149,9 @@ class Simulation:
             raise ConfigurationError(f"seed = {seed!r} is not allowed; give a whole number of 0 or more.")
         self.configuration, self.seed = configuration, seed
         path, self.drivable = build_path(configuration) if path is None else (path, None)
-        self.machine = build_machine(configuration, path, seed)
+        machine = build_machine(configuration, path, seed)
+        self.machine: MachineWithTruth = machine
+        self._slide = machine.slide
         reach, both_ways = configuration.guidance.maximum_start_distance, configuration.path.working_width > 0.0
         self.path, at = beginning(path, self.machine.truth().tractor, reach=reach, both_ways=both_ways)
         self.autopilot = build_autopilot(configuration)
@@ -169,7 +171,7 @@ class Simulation:
 
     def _true_state(self, body_lag: float) -> Estimate:
         truth = self.machine.truth()
-        return self._truth.estimate(truth, self.machine.slide(truth.speed), body_lag)
+        return self._truth.estimate(truth, self._slide(truth.speed), body_lag)
 
     def log(self, between: Callable[[], None] | None = None) -> RunLog:
         """Drive to the end and return the log; see drive()."""

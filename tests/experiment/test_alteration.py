@@ -114,3 +114,9 @@ def test_a_machine_that_is_only_looked_at_makes_the_same_run(build: Callable[...
     watched.machine = InterceptedMachine(watched.machine, lambda measurement: seen.append(measurement) or measurement)
     assert np.array_equal(drive(watched), drive(build("articulated", "path.radii=[5.0]")))
     assert [measurement.time for measurement in seen[:3]] == pytest.approx([0.0, 0.2, 0.4])
+
+
+def test_the_true_state_is_known_of_a_machine_that_is_only_looked_at(build: Callable[..., Simulation]) -> None:
+    watched = build("articulated-ideal", "path.radii=[5.0]")
+    watched.machine = InterceptedMachine(watched.machine, lambda measurement: measurement)
+    assert [record.estimate.creep for record, _ in zip(watched.steps(), range(3), strict=False)] == [0.0, 0.0, 0.0]

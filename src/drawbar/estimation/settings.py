@@ -194,10 +194,10 @@ class SlideSettings(Settings):
 
     prior: Annotated[NonNegativeAngle, Field(lt=0.2)] = 0.03
     """of the slide to the east and to the north at first; 0: none is looked for, rad"""
-    beyond_slope: PositiveAngle = 0.01
-    """of what creep on the slope that an attitude sensor shows does not explain of it, rad"""
     walk: NonNegativeAngle = 2e-4
     """by which they may change per sample, rad"""
+    beyond_slope: PositiveAngle = 0.01
+    """of the slide at first, beyond what the creep makes of a slope that an attitude sensor shows, rad"""
     creep_prior: Annotated[float, Field(ge=0.0, le=1.0)] = 0.3
     """of the side-slip per side acceleration, of a slope or a curve, at first, and of the curve's beyond that of the
     slope, rad per g; 0: none is looked for"""

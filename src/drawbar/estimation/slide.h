@@ -36,8 +36,8 @@ struct axle {
 struct slide {
     double prior, walk;                    /* of east and north: standard deviation at first, and per sample, rad; prior 0:
                                             * nothing is found */
-    double beyond_slope;                   /* the first where the ground's fall is known, rad */
-    double creep_prior;                    /* the same of creep, and of a curve's beyond a slope's; 0: it stays 0 */
+    double beyond_slope;                   /* in place of `prior` where the ground's fall is known, rad */
+    double creep_prior;                    /* deviation at first of creep, and of a curve's beyond a slope's; 0: both stay 0 */
     double constant_prior, noise;          /* of the constant; of one estimated side-slip, rad */
     double value[SLIDE_TERMS];             /* rad; creep: rad/g */
     double covariance[SLIDE_TERMS][SLIDE_TERMS];
@@ -125,7 +125,8 @@ static APART void slide_stand(struct slide *slide, double yaw, double roll, doub
 /* Take in the side-slip (rad) of an axle. */
 static APART void slide_take(struct slide *slide, struct axle axle, double crab)
 {
-    const double noise = slide->seen > 0.0 ? 0.5 * slide->noise : slide->noise;   /* without a sensor the masts' swing is in it */
+    /* without an attitude sensor the masts' swing is in it */
+    const double noise = slide->seen > 0.0 ? 0.5 * slide->noise : slide->noise;
     double row[SLIDE_TERMS], gain[SLIDE_TERMS], spread = noise * noise, error = crab;
 
     slide_row(slide, axle, row);

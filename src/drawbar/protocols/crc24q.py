@@ -4,6 +4,7 @@ Whoever writes `D3 03 FF` again and again begins a frame of 1029 bytes at every 
 would take 340 steps for each byte that comes; from the running checksum of the whole buffer each takes at most 24.
 """
 
+from functools import reduce
 from itertools import accumulate
 
 Bytes = bytes | bytearray
@@ -45,10 +46,7 @@ def _step(remainder: int, byte: int) -> int:
 
 def crc24q(data: Bytes) -> int:
     """Return the CRC-24Q of some bytes, starting from zero."""
-    remainder = 0
-    for byte in data:
-        remainder = (remainder << 8) & 0xFFFFFF ^ _REMAINDERS[remainder >> 16 ^ byte]
-    return remainder
+    return reduce(_step, data, 0)
 
 
 class SpanChecksums:

@@ -8,7 +8,7 @@ from drawbar.geometry import Floats
 from drawbar.machine.history import BodyMoment, History, Moment
 from drawbar.machine.physics.multibody import Multibody
 from drawbar.machine.physics.settings import PhysicsMachineSettings
-from drawbar.machine.physics.state import Slides, State, slides
+from drawbar.machine.physics.state import ROLLING, Slides, State, slides
 from drawbar.machine.sampled import BLOCK, SampledMachine
 from drawbar.machine.senses import Senses
 from drawbar.machine.slide import Slide
@@ -20,8 +20,6 @@ _SMOOTHED = 2.0
 """time constant of the slips in the truth, and of what slope and curve do not explain of the side-slips, s: the
 controllers' models hold them for constant, while on tyres they follow every motion of the wheels; who believes their
 momentary values steers against himself"""
-_SLOWEST = 0.1
-"""speed below which no side-slip is told, m/s"""
 
 
 class PhysicsMachine(SampledMachine):
@@ -106,7 +104,7 @@ class PhysicsMachine(SampledMachine):
     def slide(self, speed: float) -> Slide:
         """Return how the ground draws every axle at a speed (m/s): by the tyres' law (tyres.py)."""
         tyres, terrain = self._settings.tyres, self._settings.terrain
-        share = terrain.creep_speed / max(speed, _SLOWEST) if terrain.creep_speed else 1.0
+        share = terrain.creep_speed / max(speed, ROLLING) if terrain.creep_speed else 1.0
         creep = max(share * terrain.creep, 1.0 / tyres.cornering)
         east, north = (creep * fall for fall in self.terrain.falls())
         return Slide(east, north, creep)

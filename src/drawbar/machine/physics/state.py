@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from drawbar.vehicle.parameters import VehicleParameters
 
-_ROLLING = 0.1
+ROLLING = 0.1
 """below this speed an axle's direction of motion means nothing, m/s"""
 
 
@@ -46,11 +46,11 @@ class Slides(NamedTuple):
 def slides(state: State, before: State, duration: float, vehicle: VehicleParameters) -> Slides:
     """Return how the wheels slid between two states (s apart); nothing is said of a vehicle that stands."""
     ahead, sideways, turn = _motion(state, before, "tractor", duration)
-    if not abs(ahead) > _ROLLING:
+    if not abs(ahead) > ROLLING:
         return Slides(1.0, 0.0, 0.0, 0.0)
     front = math.atan((sideways + vehicle.wheelbase * turn) / ahead)
     trailer_ahead, trailer_sideways, trailer_turn = _motion(state, before, "trailer", duration)
-    rolls = abs(state.speed) > _ROLLING
+    rolls = abs(state.speed) > ROLLING
     return Slides(
         longitudinal_slip=ahead / state.speed if rolls else 1.0,
         steering_offset=front - state.steering,

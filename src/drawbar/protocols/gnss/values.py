@@ -46,7 +46,7 @@ class Values:
         if value is None or value == "":
             return math.nan
         number = float(value) * scale
-        return number if number <= _LARGEST_DEVIATION else -1.0
+        return number if abs(number) <= _LARGEST_DEVIATION else -1.0
 
     def integer(self, name: str, *, low: int = 0, high: int = 65535) -> int | None:
         """Return a whole number, None where it is missing, or outside [low, high]."""

@@ -52,11 +52,12 @@ class Serving:
     def serve(self) -> None:
         """Send what goes, and let the client take its turn, which costs it little."""
         try:
-            self._left = self._left[self._line.send(self._left[:65536]) :] if self._left else self._left
+            sent = self._line.send(self._left[:65536]) if self._left else 0
         except BlockingIOError:
-            pass
+            sent = 0  # the client takes some first
         except OSError:
-            self._left = self._left[:0]
+            sent = len(self._left)  # the client has closed the line
+        self._left = self._left[sent:]
         begun = process_time()
         self._bench.advance()
         assert process_time() - begun < 0.25
