@@ -59,3 +59,9 @@ def test_a_port_that_is_taken_is_told_before_anything_starts(taken, tmp_path, op
     said = refusal("drive", "--out", tmp_path / "run", *option, taken)
     assert f"the console cannot listen at 127.0.0.1:{taken}" in said
     assert not (tmp_path / "run").exists()
+
+
+def test_a_user_that_cannot_be_is_refused_before_a_password_is_asked_for(tmp_path):
+    result = CliRunner().invoke(app, ["console-user", str(tmp_path / "users"), "a b"], input="0123456789\n0123456789\n")
+    assert "user name 'a b'" in str(result.exception)
+    assert "password" not in result.output

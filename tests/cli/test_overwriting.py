@@ -124,4 +124,21 @@ def test_an_export_goes_through_a_pipe_and_a_link_stays_one(export, tmp_path):
     assert os.read(reader, 99) == b"a table" == linked.read_bytes()
     assert stat.S_ISFIFO(pipe.stat().st_mode)
     assert link.is_symlink()
+    again = CliRunner().invoke(app, ["log", "export", str(tmp_path), "--csv", str(pipe)])
+    assert again.output == ""  # where the pipe is standard output, its name would be a row of the table
     os.close(reader)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no named pipes here")
+def test_an_export_whose_reader_goes_away_ends_quietly(export, tmp_path, capfd):
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+
+    def write(log, file):
+        with file.open("w", encoding="utf-8") as stream:
+            os.close(reader)
+            stream.write("a table")
+
+    assert not export(write, pipe)
+    assert capfd.readouterr() == ("", "")

@@ -166,6 +166,27 @@ def test_a_shapefile_whose_conversion_costs_metres_says_so(
     assert all(told.startswith(wanted) for told, wanted in zip(field.left_out, left_out, strict=True))
 
 
+def test_what_a_conversion_costs_is_said_once_of_lines_and_boundary_in_one_archive(tmp_path: Path) -> None:
+    import pyproj
+    import shapefile
+
+    places = [[4468000.0, 5333000.0], [4468000.0, 5333100.0], [4468100.0, 5333100.0], [4468000.0, 5333000.0]]
+    for name, kind in (("lines", shapefile.POLYLINE), ("boundary", shapefile.POLYGON)):
+        with shapefile.Writer(str(tmp_path / name), shapeType=kind) as writer:
+            writer.field("name", "C")
+            (writer.poly if kind == shapefile.POLYGON else writer.line)([places])
+            writer.record("x")
+        (tmp_path / f"{name}.prj").write_text(pyproj.CRS.from_epsg(31468).to_wkt("WKT1_ESRI"))
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w") as archive:
+        for file in tmp_path.iterdir():
+            archive.write(file, file.name)
+    (field,) = take_in("field.zip", content.getvalue(), FRAME)
+    assert field.boundary is not None
+    assert len(field.lines) == 1
+    assert len(field.left_out) == 1
+
+
 @pytest.mark.parametrize("version", [3, 4])
 def test_isoxml_is_as_the_standard_says(version: int) -> None:
     root = ElementTree.fromstring(WRITERS[f"ISOXML {version}"][1](FIELD))

@@ -234,9 +234,15 @@ def test_a_parallel_line_is_so_far_from_the_path_everywhere_and_as_smooth(offset
     np.testing.assert_allclose(np.hypot(*ahead.T), 1.0, atol=1e-3)  # its arc length is one
 
 
-def test_there_is_no_parallel_line_inside_of_a_curve_that_is_tighter():
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_parallel_line_inside_of_a_curve_that_is_tighter_is_refused_with_the_offset_that_is_allowed(side):
+    path = figure_eights((8.0,), 20.0)
+    with pytest.raises(PathError, match="curves too tightly") as refused:
+        path.beside(side * 7.9)
+    allowed = float(str(refused.value).split("less than ")[1].split()[0])
+    path.beside(side * (allowed - 0.01))
     with pytest.raises(PathError, match="curves too tightly"):
-        figure_eights((8.0,), 20.0).beside(7.9)
+        path.beside(side * (allowed + 0.01))
 
 
 @pytest.mark.parametrize("offset", [math.nan, math.inf, "1"])

@@ -59,9 +59,10 @@ def console_user(
     ] = "operator",
 ) -> None:
     """Add a user of the console, or give one a new password, which is asked for."""
-    from drawbar.console.passwords import save_user
+    from drawbar.console.passwords import demand_name, save_user
     from drawbar.console.visitors import Rank
 
+    demand_name(name)
     password = typer.prompt("password", hide_input=True, confirmation_prompt=True)
     save_user(file, name, Rank[rank.upper()], password)
     terminal.print(f"{file}: {name} is {rank}; a running console knows it after its next start")

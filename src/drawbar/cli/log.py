@@ -54,9 +54,12 @@ def export(
     for option, target in targets:
         try:
             write_whole(target, partial(_writer(option), content))
+        except BrokenPipeError:
+            continue  # its reader, such as head, has what it wanted
         except OSError as error:
             raise DrawbarError(f"{target}: cannot be written ({error.strerror}); choose another file") from error
-        console.print(str(target), soft_wrap=True)
+        if target.is_file():  # a name would be no row of a table that goes to standard output
+            console.print(str(target), soft_wrap=True)
 
 
 def _writer(option: str) -> Callable[["RunLog", FilePath], None]:

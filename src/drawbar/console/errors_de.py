@@ -157,8 +157,9 @@ ERRORS_DE: Mapping[str, str] = {
     "{}: holds {} lines: {}; choose one with --track NAME or path.track":
         "{0}: enthält {1} Linien: {2}; eine davon wählen",
     "{}: has {} lines named {}; give them different names": "{0}: hat {1} Linien namens {2}; verschieden benennen",
-    "there is no line {} m beside the path: it curves too tightly":
-        "{0} m neben der Linie gibt es keine: sie ist zu eng gekrümmt",
+    "offset = {} m: the path curves too tightly for a line so far beside it; give less than {} m to this side":
+        "Versatz {0} m: für eine Parallele so weit daneben ist die Linie zu eng gekrümmt; nach dieser Seite weniger "
+        "als {1} m angeben",
     "line {} is too tight for the vehicle along {} m, from ({}, {}) m on; at most {} m of kinks in a row can be "
     "rounded: smooth or redraw the line there":
         "Linie {0} ist auf {1} m zu eng für das Fahrzeug, ab ({2}, {3}) m; höchstens {4} m Knicke hintereinander "

@@ -62,14 +62,23 @@ def _user(path: Path, number: int, line: str) -> User:
         ) from None
 
 
+def demand_name(name: str) -> None:
+    """Refuse what cannot be a user's name.
+
+    Raises:
+        ConfigurationError: says which names are allowed.
+    """
+    if not _NAME.fullmatch(name):
+        raise ConfigurationError(f"user name {name!r}: 1 to 40 letters, digits, '.', '-' or '_' are allowed")
+
+
 def save_user(path: Path, name: str, rank: Rank, password: str) -> None:
     """Add a user to a file, or replace it; a new file is readable by its owner alone.
 
     Raises:
         ConfigurationError: name or password is not allowed, or the file cannot be read or written.
     """
-    if not _NAME.fullmatch(name):
-        raise ConfigurationError(f"user name {name!r}: 1 to 40 letters, digits, '.', '-' or '_' are allowed")
+    demand_name(name)
     if not SHORTEST <= len(password) <= LONGEST:
         raise ConfigurationError(f"a password has {SHORTEST} to {LONGEST} characters; this one has {len(password)}")
     if any("\ud800" <= letter <= "\udfff" for letter in password):

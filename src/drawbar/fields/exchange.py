@@ -90,7 +90,9 @@ def take_in(name: str, data: bytes, frame: LocalFrame) -> tuple[Field, ...]:
         boundary = next((field.boundary for field in fields if field.boundary is not None), None)
         lines = [(line.name, [(p[0], p[1]) for p in line.points.tolist()]) for field in fields for line in field.lines]
         ring = [(p[0], p[1]) for p in boundary.tolist()] if boundary is not None else None
-        left_out = [each for field in fields for each in field.left_out]
+        left_out: list[str] = []
+        for field in fields:  # what is said of several files, such as their common projection, stands once
+            left_out += [each for each in field.left_out if each not in left_out]
         return (make_field(name, Path(name).stem, lines, ring, left_out),)
     unnamed = Path(folder).name  # of an AgOpenGPS field whose files lie in an archive without their folder
     return tuple(replace(field, name=Path(name).stem) if field.name == unnamed else field for field in fields)

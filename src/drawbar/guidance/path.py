@@ -119,9 +119,14 @@ class Path:
         if offset == 0.0:
             return self
         nodes = self.nodes[:, 0]
-        stretch = 1.0 - offset * self.sample(nodes)[:, 3]  # d(new arc length) / d(arc length)
+        curvature = self.sample(nodes)[:, 3]
+        stretch = 1.0 - offset * curvature  # d(new arc length) / d(arc length)
         if not float(stretch.min()) > LEAST_STRETCH:
-            raise PathError(f"there is no line {abs(offset):.2f} m beside the path: it curves too tightly")
+            furthest = (1.0 - LEAST_STRETCH) / float((math.copysign(1.0, offset) * curvature).max())
+            raise PathError(
+                f"offset = {offset:g} m: the path curves too tightly for a line so far beside it; "
+                f"give less than {math.floor(100.0 * furthest) / 100.0:.2f} m to this side"
+            )
         longest = float((np.diff(nodes) * np.maximum(stretch[1:], stretch[:-1])).max())
         pieces = math.ceil(longest / PIECE_LENGTH)  # of each of this path's
         count = len(nodes) - 1
