@@ -107,15 +107,15 @@ def test_a_computer_without_boards_scans_nothing(monkeypatch):
     assert found({}) == {}
 
 
-def test_a_port_that_agio_has_is_a_finding_and_the_other_devices_are_listened_to(monkeypatch, listen):
+def test_a_port_that_agio_has_is_a_finding_and_the_other_devices_are_listened_to(monkeypatch, listen, tmp_path):
     host, port = listen.split(":")
     monkeypatch.setitem(KNOWN_PORTS, int(port), "AgIO")
     devices = DeviceSettings(
         tractor_receiver=ReceiverSettings(transport=f"udp://{listen}", sender="127.0.0.2"),
-        trailer_receiver=ReceiverSettings(transport="file:/nonexistent"),
+        trailer_receiver=ReceiverSettings(transport=f"file:{tmp_path}/missing"),
         tractor_board=settings(NOWHERE, listen),
         trailer_board=settings("127.0.0.2:1", listen),
-        sensors=SensorBoardSettings(transport="serial:/nonexistent@115200", pulses_per_metre=1.0),
+        sensors=SensorBoardSettings(transport=f"serial:{tmp_path}/missing@115200", pulses_per_metre=1.0),
     )
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as agio:
         agio.bind((host, int(port)))
