@@ -30,8 +30,8 @@ ANSWERS = {
     Response.NONE: "",
     Response.TELL: "tell, and drive on",
     Response.DEGRADE: "drive slower",
-    Response.STOP: "stop, then let go",
-    Response.RELEASE: "let go at once",
+    Response.STOP: "stop, then release",
+    Response.RELEASE: "release at once",
 }
 
 

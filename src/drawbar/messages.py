@@ -73,13 +73,13 @@ class SupervisorState(IntEnum):
     STOPPING = 7
     """it steers until the vehicle stands"""
     STOPPED = 8
-    """let go of after a stop; waits for the acknowledgement"""
+    """released after a stop; waits for the acknowledgement"""
     OVERRIDE = 9
-    """let go of: the operator has taken over at an actuator; waits for the acknowledgement"""
+    """released: the operator has taken over at an actuator; waits for the acknowledgement"""
     FAULT = 10
-    """let go of at once for a cause; waits for the acknowledgement"""
+    """released at once for a cause; waits for the acknowledgement"""
     ESTOP = 11
-    """let go of by an emergency stop; waits for the acknowledgement"""
+    """released by an emergency stop; waits for the acknowledgement"""
 
 
 class Action(IntEnum):
@@ -92,11 +92,11 @@ class Action(IntEnum):
     ENGAGE = 2
     """second half, within a few seconds"""
     RELEASE = 3
-    """let go of the steering; accepted from everybody"""
+    """release the steering; accepted from everybody"""
     STOP = 4
-    """stop the vehicle, then let go; accepted from everybody"""
+    """stop the vehicle, then release the steering; accepted from everybody"""
     EMERGENCY = 5
-    """let go and stop as fast as possible; accepted from everybody"""
+    """release the steering and stop as fast as possible; accepted from everybody"""
     ACKNOWLEDGE = 6
     """leave a state that waits for the operator"""
     NUDGE = 7

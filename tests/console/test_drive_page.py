@@ -87,7 +87,7 @@ async def test_without_the_gate_nothing_but_stops_can_be_pressed(stage, browser)
     assert not one.enabled("1 Prepare")
     assert one.page._instruments  # the picture says that it is old, and the browser acknowledges none of those
     before = len(stage.sent)
-    for word in ("STOP", "EMERGENCY", "Let go"):
+    for word in ("STOP", "EMERGENCY", "Release"):
         assert one.enabled(word)
         one.press(word)
     assert [each.action for each in stage.sent[before:]] == [Action.STOP, Action.EMERGENCY, Action.RELEASE]

@@ -164,7 +164,7 @@ def _drive(processes: "DriveProcesses", interrupts: "Interrupts", *, demonstrate
                 if not terminal.tell_losses():
                     return True
     except KeyboardInterrupt:
-        console.print("interrupted: the gate lets go of the steering")
+        console.print("interrupted: the gate releases the steering")
     except OSError:
         if not leave_a_terminal_that_is_gone():  # if it is, it was written to before its signal was heard
             raise

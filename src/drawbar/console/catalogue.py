@@ -45,7 +45,7 @@ TEXTS: Mapping[str, tuple[str, str]] = {
     "engage": ("2 Engage", "2 Einschalten"),
     "acknowledge": ("Acknowledge", "Bestätigen"),
     "stop": ("STOP", "STOPP"),
-    "release": ("Let go", "Selbst lenken"),
+    "release": ("Release", "Selbst lenken"),
     "emergency": ("EMERGENCY", "NOT-HALT"),
     "slower": ("Slower", "Langsamer"),
     "faster": ("Faster", "Schneller"),

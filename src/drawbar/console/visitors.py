@@ -16,7 +16,7 @@ class Rank(IntEnum):
     """What a visitor may do; each may do what those before may."""
 
     VIEWER = 0
-    """look, stop, let go"""
+    """look, stop, release"""
     OPERATOR = 1
     """engage and drive"""
     MAINTAINER = 2

@@ -32,7 +32,7 @@ LONGEST = 150.0
 _NEAR = 4.0
 """the path is searched so far around the last place, m"""
 _RESTS = 1.0
-"""how long a vehicle that stands is watched after it has been let go of, s"""
+"""how long a vehicle that stands is watched after its steering has been released, s"""
 _SAME = 1e-3
 """rad, s: half the wire's resolution of angles, and more"""
 WATCHED = (

@@ -14,11 +14,11 @@ class SteeringRequest:
     """What one actuator is asked for now."""
 
     steer: bool
-    """False: let go of the steering, said on the wire, never by silence"""
+    """False: release the steering, said on the wire, never by silence"""
     angle: float
     """set point, rad, left positive; finite whenever `steer`, else ignored"""
     speed: float
-    """of the vehicle, m/s, forward positive; some actuators let go by it"""
+    """of the vehicle, m/s, forward positive; some actuators release the steering outside of a range of it"""
 
 
 class Readiness(Enum):
@@ -48,12 +48,12 @@ class SteeringReport:
     engaged: bool = False
     """the actuator says that it steers as asked"""
     overridden: bool = False
-    """the operator took over since the last request to let go; stays until drawbar has let go"""
+    """the operator took over since the last request to release the steering; stays until drawbar has released it"""
     readiness: Readiness = Readiness.SILENT
     """whether it may be engaged, or why not"""
     switch: bool | None = None
     """the operator's own engage switch at the actuator is on; None: it has none, or it has not been heard.
-    Turning it on asks to engage, turning it off to let go; never what the actuator itself has switched"""
+    Turning it on asks to engage, turning it off to release; never what the actuator itself has switched"""
 
 
 class SteeringActuator(ABC, Generic[Frame]):

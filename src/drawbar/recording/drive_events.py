@@ -177,7 +177,7 @@ def _events(ordered: Iterable[tuple[float, _Message]], *, is_on: bool) -> Iterat
             if action is not Action.PRESENT and message.nonce not in seen:
                 seen.add(message.nonce)
                 yield Asked(time=time, action=action, value=math.nan if message.value is None else message.value)
-        elif last is not None and last.steers and not is_on:  # whoever ends a drive lets go first, which is recorded
+        elif last is not None and last.steers and not is_on:  # whoever ends a drive releases first, which is recorded
             yield Lost(time=time, loss=Loss.ENDS)
 
 

@@ -10,7 +10,7 @@ from drawbar.report.tables import Row
 _ASKED = {
     Action.ARM: "to arm",
     Action.ENGAGE: "to engage",
-    Action.RELEASE: "to let go of the steering",
+    Action.RELEASE: "to release the steering",
     Action.STOP: "for a stop",
     Action.EMERGENCY: "for an emergency stop",
     Action.ACKNOWLEDGE: "to acknowledge",

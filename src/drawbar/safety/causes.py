@@ -19,9 +19,9 @@ class Response(IntEnum):
     DEGRADE = 2
     """drive slower, for a limited time"""
     STOP = 3
-    """stop the vehicle along its steering, then let go"""
+    """stop the vehicle along its steering, then release it"""
     RELEASE = 4
-    """let go of the steering at once, and stop"""
+    """release the steering at once, and stop"""
 
 
 class Cause(Enum):
@@ -134,7 +134,7 @@ class Cause(Enum):
         "check valve, motor and sensor; run drawbar check")
     STEERING_REVERSED = (406, False, Response.RELEASE, "a steering moves away from its set point",
         "check the signs of actuator and sensor; run drawbar check")
-    LET_GO = (407, False, Response.RELEASE, "an actuator let go by itself",
+    LET_GO = (407, False, Response.RELEASE, "an actuator has released the steering by itself",
         "see the machine's own display for its reason")
     NOT_TAKEN = (408, False, Response.RELEASE, "actuators or controller did not take over in time",
         "see the machine's own display; engage again")
@@ -188,7 +188,7 @@ class Cause(Enum):
         "acknowledge, then engage again when ready")
     OPERATOR_STOPS = (607, False, Response.NONE, "the operator asked for a stop",
         "acknowledge when standing")
-    OPERATOR_RELEASES = (608, False, Response.NONE, "the operator asked to let go",
+    OPERATOR_RELEASES = (608, False, Response.NONE, "the operator asked to release the steering",
         "engage again when ready")
     EMERGENCY = (609, False, Response.NONE, "the operator asked for an emergency stop",
         "acknowledge when standing")

@@ -16,7 +16,7 @@ from drawbar.safety.settings import SafetySettings
 
 BOOT, SELFTEST, STANDBY, READY, ENGAGING, ACTIVE, DEGRADED, STOPPING, STOPPED, OVERRIDE, FAULT, ESTOP = SupervisorState
 STEERING = frozenset({ENGAGING, ACTIVE, DEGRADED, STOPPING})
-"""states in which the actuators are asked to steer; in all others they are told to let go"""
+"""states in which the actuators are asked to steer; in all others they are told to release"""
 LATCHED = frozenset({STOPPED, OVERRIDE, FAULT, ESTOP})
 """states that only the operator's acknowledgement ends"""
 FATAL = frozenset({Cause.CONTROLLER_GONE, Cause.ENDED, Cause.DEVICE, Cause.SUSPENDED})
@@ -53,7 +53,7 @@ class Event(Enum):
     OVERRIDE = auto()
     """the operator took over at an actuator"""
     FAULT = auto()
-    """a cause to let go at once"""
+    """a cause to release at once"""
     EMERGENCY = auto()
     """stop of the operator"""
 
@@ -221,7 +221,7 @@ class Engagement:
         return events
 
     def _patience(self, response: Response) -> float:
-        """Return for how long a vehicle that does not stop is steered on, s: letting go of it makes nothing better."""
+        """Return for how long a vehicle that does not stop is steered on, s: releasing it makes nothing better."""
         return self._drive.stopping if response >= Response.STOP else self._drive.abandoning
 
     def _while_steering(self, time: float, situation: Situation) -> dict[Event, Cause | None]:

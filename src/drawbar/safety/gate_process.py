@@ -25,7 +25,7 @@ ASK_AGAIN = 0.01
 def run(gate: Gate, settings: SafetySettings, clock: MachineClock) -> int:
     """Run the gate in this process, which may do nothing else; return the exit code.
 
-    SIGTERM and SIGINT end it. Before it returns, it tells the actuators to let go for `timing.off` seconds and closes
+    SIGTERM and SIGINT end it. Before it returns, it tells the actuators to release for `timing.off` seconds and closes
     the devices. Real-time scheduling that the system does not allow is reported on standard error.
     """
     for word in prepare(settings.timing.priority):
@@ -109,7 +109,7 @@ def _wait(gate: Gate, clock: MachineClock, now: float, until: float) -> None:
 
 
 def _let_go(gate: Gate, settings: SafetySettings, clock: MachineClock) -> None:
-    """Tell the actuators to let go, after the gate's own program has failed: nothing of it is asked any more."""
+    """Tell the actuators to release, after the gate's own program has failed: nothing of it is asked any more."""
     off = SteeringRequest(steer=False, angle=0.0, speed=0.0)
     stop = SpeedRequest(drive=False, speed=0.0, deceleration=settings.drive.emergency_deceleration)
     end = clock() + settings.timing.off

@@ -43,7 +43,7 @@ class Gate:
         controller: ControllerChannel,
         desk: DeskChannel,
     ) -> None:
-        """Begin in BOOT, with nothing received; the first tick tells the actuators to let go."""
+        """Begin in BOOT, with nothing received; the first tick tells the actuators to release."""
         self._settings = settings
         self.wires, self.controller, self.channel = Wires(wires), controller, desk
         self.engagement = Engagement(settings, sound=limits_hold(settings, bounds))

@@ -71,9 +71,9 @@ class DriveSettings(Settings):
     degraded_speed: Share = 0.5
     """share of its speed at which the vehicle is driven degraded"""
     stopping: Timeout = 10.0
-    """time within which the vehicle must stand; then the steering is let go of if any condition asks for a stop, s"""
+    """time within which the vehicle must stand; then the steering is released if any condition asks for a stop, s"""
     abandoning: Timeout = 30.0
-    """time after which the steering of a vehicle that does not stand is let go of whatever else is so, s"""
+    """time after which the steering of a vehicle that does not stand is released whatever else is so, s"""
     comfort: Timeout = 5.0
     """time after which a vehicle that does not stand is asked to stop as fast as possible, s"""
     deceleration: Positive = 1.0
@@ -91,7 +91,7 @@ class DriveSettings(Settings):
     lateral_error: Positive = 1.5
     """distance of either body from the line at which to stop, m"""
     hitch_angle: PositiveAngle = math.radians(60.0)
-    """at which to let go, rad"""
+    """at which to release the steering, rad"""
     overruns: Steps = 3
     """late steps within `engage.quiet` that degrade"""
     operator: Timeout = 2.0
@@ -157,7 +157,7 @@ class TimingSettings(Settings):
     angle: Timeout = 0.2
     """oldest measured steering angle, s"""
     angle_lost: Timeout = 0.5
-    """age of a measured steering angle at which to let go, s"""
+    """age of a measured steering angle at which to release the steering, s"""
     recorder: Timeout = 1.0
     """oldest heartbeat of the recorder, s"""
     guard: Timeout = 1.0
@@ -167,7 +167,7 @@ class TimingSettings(Settings):
     suspended: Timeout = 0.5
     """for which the computer may have been suspended, s"""
     off: Annotated[float, Field(ge=1.0, le=10.0)] = 1.0
-    """for how long the actuators are told to let go before the gate ends, and before it engages them, s"""
+    """for how long the actuators are told to release before the gate ends, and before it engages them, s"""
     lease: Timeout = 2.0
     """without a word of its holder, after which another operator may engage, s"""
     priority: Annotated[int, Field(ge=0, le=99)] = 50

@@ -85,7 +85,7 @@ def test_where_there_is_no_terminal_each_reason_against_engaging_or_to_worry_is_
         terminal.show()
     first, second = (f"- {cause.sentence}: {cause.advice}\n" for cause in causes)
     waiting, ready = "STANDBY: not ready to engage\n", "READY: ready to engage\n"
-    steering, ended = "ACTIVE: steering\n", "FAULT: let go of the steering; acknowledge to go on\n"
+    steering, ended = "ACTIVE: steering\n", "FAULT: steering released; acknowledge to continue\n"
     told = [waiting, first, second, ready, waiting, first, steering, first, ended]
     assert console.file.getvalue() == "".join(told)
 

@@ -206,8 +206,8 @@ def test_what_is_not_measured_is_not_told(monkeypatch):
     ("sentence", "facts", "problems"),
     [
         (own_sentence("PDBV", 1, 2448, 1), ["angle 14.3°", "switch held"], 0),
-        (own_sentence("PDBV", 1, 2048, 0), ["angle 0.0°", "switch let go"], 0),
-        (own_sentence("PDBV", 1, 9999, 0), ["angle nan°", "switch let go"], 1),
+        (own_sentence("PDBV", 1, 2048, 0), ["angle 0.0°", "switch released"], 0),
+        (own_sentence("PDBV", 1, 9999, 0), ["angle nan°", "switch released"], 1),
         (b"$PDBV,1,2048,1*00\r\n", [], 1),
     ],
 )

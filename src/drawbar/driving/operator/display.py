@@ -25,10 +25,10 @@ _MEANINGS = {
     SupervisorState.ACTIVE: "steering",
     SupervisorState.DEGRADED: "steering, slower",
     SupervisorState.STOPPING: "stopping",
-    SupervisorState.STOPPED: "stopped; acknowledge to go on",
-    SupervisorState.OVERRIDE: "you took over; acknowledge to go on",
-    SupervisorState.FAULT: "let go of the steering; acknowledge to go on",
-    SupervisorState.ESTOP: "emergency stop; acknowledge to go on",
+    SupervisorState.STOPPED: "stopped; acknowledge to continue",
+    SupervisorState.OVERRIDE: "you took over; acknowledge to continue",
+    SupervisorState.FAULT: "steering released; acknowledge to continue",
+    SupervisorState.ESTOP: "emergency stop; acknowledge to continue",
 }
 KEYS = "e engage   space stop   r release   x emergency\na acknowledge   + - speed   q quit"
 

@@ -227,7 +227,7 @@ def _bare_valve(settings: BareValveSettings, seconds: float) -> Finding:
     else:
         reading = settings.sensor().read(reports[-1].counts)
         finding.facts.append(f"angle {math.degrees(reading.value):.1f}°")
-        finding.facts.append(f"switch {'held' if reports[-1].permitted else 'let go'}")
+        finding.facts.append(f"switch {'held' if reports[-1].permitted else 'released'}")
         if reading.fault is not SensorFault.NONE:
             finding.problems.append(f"the angle sensor {reading.fault.value}")
     transport.close()

@@ -46,7 +46,7 @@ _FRESH = 1.0
 _TICK = 0.05
 """s"""
 _OFF = 1.0
-"""for which it is told to let go at the end, s"""
+"""for which it is told to release the steering at the end, s"""
 
 
 class Phase(Enum):
@@ -137,7 +137,7 @@ class WiggleRun:
             late = now - self._since > _TAKES
             return f"the actuator did not take over: it {report.readiness.value}" if late else ""
         if not report.engaged:
-            return f"the actuator let go: it {report.readiness.value}"
+            return f"the actuator has released the steering: it {report.readiness.value}"
         if now - self._turned > _STIFF and not abs(report.angle - self._at_turn) >= _LEAST and self._set_point:
             return "it does not move, or its sensor does not see it; check valve, motor and sensor"
         return ""

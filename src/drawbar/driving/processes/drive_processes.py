@@ -173,7 +173,7 @@ class DriveProcesses:
         return " / ".join(self.output()[-4:]) or "it said nothing"
 
     def close(self) -> None:
-        """End the gate first, so that the actuators let go; then all others, the recorder last."""
+        """End the gate first, so that the actuators release the steering; then all others, the recorder last."""
         if self._messages.closed:
             return
         with signals_ignored():

@@ -29,7 +29,7 @@ _LOOK = 0.25
 
 
 class Guard:
-    """Says when the boards are to be let go of; times are monotonic, s."""
+    """Says when the boards are to be released; times are monotonic, s."""
 
     def __init__(self, timing: TimingSettings) -> None:
         """Begin with a gate that has sent nothing, and does not steer."""
@@ -47,7 +47,7 @@ class Guard:
         return due if self._steers and due <= self._received + self._patience + self._off else math.inf
 
     def rests(self, time: float) -> bool:
-        """Return whether there is nothing to wait for: the gate does not steer, or the boards have been let go of."""
+        """Return whether there is nothing to wait for: the gate does not steer, or the boards have been released."""
         return not self._steers or time > self._received + self._patience + self._off
 
     def says_off(self, time: float) -> bool:
@@ -90,7 +90,7 @@ def _send(wire: socket.socket, board: tuple[str, int]) -> None:
     try:
         wire.sendto(OFF, board)
     except OSError as error:
-        say(f"guard: {board[0]} was not told to let go: {error}")
+        say(f"guard: {board[0]} was not told to release the steering: {error}")
 
 
 if __name__ == "__main__":

@@ -63,13 +63,13 @@ class BoardMemory(Settings):
     steer_button: bool = False
     """a button does"""
     shaft_encoder: bool = False
-    """turns of the steering wheel let go"""
+    """turns of the steering wheel release"""
     pressure_sensor: bool = False
-    """pressure in the steering lets go"""
+    """pressure in the steering releases"""
     current_sensor: bool = False
-    """current of the motor lets go"""
+    """current of the motor releases"""
     threshold: Byte = 5
-    """counts or reading that let go"""
+    """counts or reading that release"""
     minimum_speed: Byte = 0
     """below which AiO_26 does not begin to steer, 0.1 km/h"""
     imu_across: bool = False

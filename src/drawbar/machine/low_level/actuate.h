@@ -90,7 +90,7 @@ static struct moment moment_of(struct low_level *low, const struct drawbar_actua
     return moment;
 }
 
-/* Begin, go on or let go; a fault lasts until it was let go. A gap before the beginning is none. */
+/* Start, continue or release; a fault lasts until a release. A gap before the beginning is none. */
 static void note_wanted(struct low_level *low, int i, int wanted, int fault, int late)
 {
     if (!wanted) {

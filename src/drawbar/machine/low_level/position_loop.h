@@ -4,7 +4,7 @@
  *     drive = sign(u) (d + (limit - d) |u|)      d: the share of the dead band that is skipped
  *
  * Within the stop zone the drive is 0. I integrates only where u is not saturated or the error takes it back, and never
- * beyond its limit; it is 0 from the moment the loop is let go.
+ * beyond its limit; it is 0 from the moment the loop is released.
  */
 #ifndef DRAWBAR_POSITION_LOOP_H
 #define DRAWBAR_POSITION_LOOP_H

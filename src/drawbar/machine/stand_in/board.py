@@ -77,7 +77,7 @@ class StandInBoard(ABC):
 
     @property
     def set_point(self) -> float | None:
-        """The angle it turns to, rad, left positive, for a machine whose steering follows; None: it lets go."""
+        """The angle it turns to, rad, left positive, for a machine whose steering follows; None: it releases."""
         return -math.radians(self._target) if self.driving and self._speed >= self.SLOWEST else None
 
     _target = 0.0

@@ -51,7 +51,7 @@ class CanMachine:
         self._devices = CanDevices(bus, self._nodes)
 
     def set_points(self) -> dict[str, float | None]:
-        """Return the angles to which valves turn, rad, by body; None: it lets go."""
+        """Return the angles to which valves turn, rad, by body; None: it releases."""
         targets = {body: valve.target for body, valve in self.valves.items()}
         return {body: None if each is None else self._maps[body].angle(each) for body, each in targets.items()}
 

@@ -59,7 +59,7 @@ class StandInSettings:
 
 
 class Driver:
-    """Somebody on the seat: creeps until the boards steer, then drives; stops a moment after they let go."""
+    """Somebody on the seat: creeps until the boards steer, then drives; stops a moment after they release."""
 
     CREEP = 0.3
     """m/s; estimators need motion to find the heading"""
@@ -104,7 +104,7 @@ class Driver:
             self.begin_again()
 
     def begin_again(self) -> None:
-        """Creep once more, after the boards have let go and the vehicle stands."""
+        """Creep once more, after the boards have released and the vehicle stands."""
         self.steered, self._let_go = False, math.inf
 
     def tick(self, time: float, steered: bool, commanded: float | None = None, *, pushed: bool = False) -> None:

@@ -26,8 +26,8 @@ _EXITS = 100
 class StandInValve(Component):
     """A valve that steers while it is commanded, allowed, and heard from within its time-out; times are monotonic, s.
 
-    It engages at "intended to steer" from a sender that has said "not intended" since the valve last let go, and tells
-    why it lets go. What a test or a simulated machine sets: the attributes below. `rate` is how fast it turns, (1/m)/s;
+    It engages at "intended to steer" from a sender that has said "not intended" since the last release, and tells why
+    it releases. What a test or a simulated machine sets: the attributes below. `rate` is how fast it turns, (1/m)/s;
     None: another moves `curvature` after `target`.
     """
 
@@ -52,7 +52,7 @@ class StandInValve(Component):
         self.silent = False
         """its information is lost on the way"""
         self.exits: deque[tuple[float, ExitReason]] = deque(maxlen=_EXITS)
-        """when and why it let go by itself, the last ones"""
+        """when and why it released by itself, the last ones"""
         self._node, self._rate, self._reach, self._timeout = node, rate, reach, timeout
         self._cadence = Cadence(_PERIOD)
         self._master: int | None = None
@@ -132,7 +132,7 @@ class StandInValve(Component):
             self._leave(time, ExitReason.OUT_OF_RANGE)
 
     def _leave(self, time: float, reason: ExitReason) -> None:
-        """Let go; only "not intended" allows to engage again."""
+        """Release the steering; only "not intended" allows to engage again."""
         self._target = self._master = None
         self._exit_reason = reason
         self.exits.append((time, reason))

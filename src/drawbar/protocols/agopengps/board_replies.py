@@ -5,7 +5,7 @@ import math
 from drawbar.protocols.agopengps.steering import SteerReply
 
 LARGEST_ANGLE = math.radians(49.995)
-"""boards let go above 50°, and report nothing larger, rad"""
+"""boards release above 50°, and report nothing larger, rad"""
 LARGEST_JUMP = math.radians(5.0)
 """between two replies 0.1 s or less apart, rad"""
 _JUMP_RATE = math.radians(50.0)
@@ -13,7 +13,7 @@ _JUMP_RATE = math.radians(50.0)
 _FRESH = 0.5
 """age of a reply after which the board counts as silent, s"""
 _SILENCE = 0.2
-"""age of a reply after which a board that steers is let go, s"""
+"""age of a reply after which a board that steers is released, s"""
 _SLOWEST = 0.2
 """interval of set points beyond which replies are not waited for any longer, s"""
 _ANSWER = 0.05

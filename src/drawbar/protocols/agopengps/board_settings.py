@@ -78,17 +78,17 @@ class SteerConfig:
     steer_button: bool = False
     """a button does"""
     shaft_encoder: bool = False
-    """turns of the steering wheel's shaft let go"""
+    """turns of the steering wheel's shaft release"""
     threshold: int = 5
-    """counts of the encoder, or reading of the sensor, that let go"""
+    """counts of the encoder, or reading of the sensor, that release"""
     minimum_speed: int = 0
     """below which AiO_26 does not begin to steer, 0.1 km/h; AIO v4 ignores it"""
     danfoss: bool = False
     """a Danfoss valve instead of a motor: 128 is neutral, 0 its fault"""
     pressure_sensor: bool = False
-    """pressure in the steering lets go"""
+    """pressure in the steering releases"""
     current_sensor: bool = False
-    """current of the motor lets go"""
+    """current of the motor releases"""
     imu_across: bool = False
     """the IMU's Y axis is the vehicle's roll axis"""
     angular_velocity: int = 0

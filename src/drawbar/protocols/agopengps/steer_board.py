@@ -18,7 +18,7 @@ from drawbar.protocols.agopengps.network import HELLO, HELLO_PERIOD
 from drawbar.protocols.agopengps.steering import SteerCommand, decode_steer_reply
 
 FASTEST = 25.0 / 3.6
-"""speed above which boards let go, m/s"""
+"""speed above which boards release, m/s"""
 PERIOD = 0.045
 """least time between two equal set points, s: 20 Hz from a caller at 20 Hz whose ticks are not exact, 22 Hz at most"""
 NEWS_PERIOD = 0.05
@@ -51,7 +51,7 @@ class SteerBoard(SteeringActuator[bytes]):
 
     Set points go out at 10 to 22 Hz, however often `send` is called; a let-go goes out with the next call, and so does
     a new set point to a board that steers, below 40 Hz in the mean. While another computer is seen to send set points
-    to the board, drawbar lets go for a second and then keeps silent: its zeros between the other's ones would be edges
+    to the board, drawbar releases for a second and then keeps silent: its zeros between the other's ones would be edges
     that make the board steer again after its operator took over.
     """
 
@@ -65,7 +65,7 @@ class SteerBoard(SteeringActuator[bytes]):
             own: `address:port` of this computer's own sockets, whose broadcasts it may hear itself.
 
         Raises:
-            ConfigurationError: `max_angle` is not between 0 and 50°, beyond which boards let go.
+            ConfigurationError: `max_angle` is not between 0 and 50°, beyond which boards release.
         """
         if not 0.0 < max_angle < LARGEST_ANGLE:
             raise ConfigurationError(
@@ -73,7 +73,7 @@ class SteerBoard(SteeringActuator[bytes]):
             )
         self.dropped: dict[str, int] = {}
         self.let_go: dict[str, int] = {}
-        """how often the steering was let go unasked, by cause"""
+        """how often the steering was released unasked, by cause"""
         self._replies = BoardReplies(address=board, inverted=inverted, own=frozenset(own))
         self._max_angle = max_angle
         self._sign = -1.0 if inverted else 1.0
@@ -135,7 +135,7 @@ class SteerBoard(SteeringActuator[bytes]):
         self.let_go[reason] = self.let_go.get(reason, 0) + 1
 
     def _decide(self, time: float, request: SteeringRequest) -> None:
-        """Begin on an edge of a fit request, let go for any fault; a cause stays until the request is taken back."""
+        """Begin on an edge of a fit request, release for any fault; a cause stays until the request is taken back."""
         rising, self._asked = request.steer and not self._asked, request.steer
         self._speed = request.speed
         if not request.steer:
@@ -209,7 +209,7 @@ class SteerBoard(SteeringActuator[bytes]):
         return time - self._sent >= PERIOD
 
     def _yields(self, time: float) -> bool:
-        """Whether another computer has the board, and drawbar has told it to let go for long enough, or need not."""
+        """Whether another computer has the board, and drawbar has told it to release for long enough, or need not."""
         letting_go = self._status or time - self._released < OFF_TIME
         return self._replies.master_within(time, MASTER_GONE) and not self._steering and not letting_go
 

@@ -39,9 +39,9 @@ _LIMITS_WHILE_STEERING = (LimitStatus.NOT_LIMITED, LimitStatus.LIMITED_HIGH, Lim
 
 class _Phase(Enum):
     LATCHED = auto()
-    """does not steer, and must be let go of before it may"""
+    """does not steer, and must be released before it may"""
     RELEASED = auto()
-    """has been let go of on the wire; the next request to steer is an edge"""
+    """has been released on the wire; the next request to steer is an edge"""
     STEERING = auto()
 
 
@@ -50,7 +50,7 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
 
     "Intended to steer" goes out only at a request that follows a message "not intended" sent without one, and only
     while every condition holds. Whatever ends it - the request, the valve, silence, the operator, the loss of the
-    address - is followed at once by "not intended", and by that alone until the gate has let go. Commands go every
+    address - is followed at once by "not intended", and by that alone until the gate has released. Commands go every
     `period`, s, whatever the rate of `send`, a new angle up to a fifth of it earlier; only that first "not intended"
     comes out of turn.
 
@@ -69,7 +69,7 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
         self._last_sent = math.nan
         """the angle that was commanded last, rad"""
         self._cause: Readiness | None = None
-        """what the latch was set by, until it is let go of"""
+        """what the latch was set by, until it is released"""
         self._overridden = False
         self._stop_now = False
         """"not intended" is to be said out of turn"""
@@ -162,7 +162,7 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
         return math.isfinite(angle) and encodable(self._map.curvature(angle))
 
     def _leave(self, cause: Readiness | None) -> None:
-        """Steer no more, or not, until let go of; None: the gate lets go by itself."""
+        """Do not steer until released; None: the gate releases by itself."""
         self._stop_now = self._stop_now or self._phase is _Phase.STEERING
         self._phase = _Phase.LATCHED
         self._cause = self._cause or cause

@@ -34,7 +34,7 @@ class LimitStatus(IntEnum):
 
 
 class ExitReason(IntEnum):
-    """Why the valve has last let go of the steering, or does not take it."""
+    """Why the valve has last released the steering, or does not take it."""
 
     NONE = 0
     OPERATOR_PRESENCE = 1

@@ -11,7 +11,7 @@
  * SI units, radians, steering left positive. A pedal's position is a share of its stroke, 0 where the vehicle stands.
  * "Counts" are whatever the sensor's converter gives: integers, volts.
  *
- * What any fault does: a steering actuator gets drive 0, so that it is let go; the pedal is driven back to 0, and where
+ * What any fault does: a steering actuator gets drive 0, so that it is released; the pedal is driven back to 0, and where
  * its own sensor is at fault gets drive 0, so that its spring must bring it back. A fault stays until the caller has
  * asked for nothing (steer or drive 0) for one call. These are the reactions of a regulator, not a safety function: an
  * independent gate has to stand between it and the outputs.
