@@ -299,7 +299,7 @@ _LARGEST = 1_000_000
 
 
 def _merged(basis: dict[str, Any], data: dict[str, Any]) -> dict[str, Any]:
-    """Return the basis with data on top; a section of another model starts anew, an empty one at its defaults."""
+    """Return the basis with data on top; a section of another model replaces the basis's."""
     merged = dict(basis)
     for key, value in data.items():
         merged[key] = _merged(basis[key], value) if _goes_on(basis.get(key), value) else value

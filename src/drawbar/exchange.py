@@ -1,6 +1,6 @@
 """Exchange of signals with C: structures, enumerations and texts printed from declarations, and their bytes' layout.
 
-`python -m drawbar.exchange` prints the headers anew after a change of `signals/` or `statuses.py`; a test holds them
+`python -m drawbar.exchange` prints the headers again after a change of `signals/` or `statuses.py`; a test holds them
 against each other.
 """
 

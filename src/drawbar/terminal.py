@@ -104,7 +104,7 @@ def open_what_is_closed() -> None:
 
 
 class Output(Console):
-    """Standard output; where nobody reads it any more, what is driven goes on without."""
+    """Standard output; where nobody reads it any more, what is driven continues without."""
 
     def __init__(self, **options: Any) -> None:
         """Forget `COLUMNS=0`, which some programs say before they know: nothing at all would be printed."""

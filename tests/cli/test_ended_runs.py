@@ -218,7 +218,7 @@ ENDINGS = [(signal.SIGINT, 130), (signal.SIGTERM, 130), (signal.SIGKILL, -signal
 @pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
 @pytest.mark.parametrize(("sent", "code"), ENDINGS)
 def test_a_process_that_is_stopped_leaves_a_readable_log(tmp_path: Path, sent: signal.Signals, code: int) -> None:
-    # a tiny speed, so that the run would go on for hours
+    # a tiny speed, so that the run would continue for hours
     command = [
         sys.executable,
         "-c",

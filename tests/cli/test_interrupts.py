@@ -62,7 +62,7 @@ def test_what_is_moved_is_ended_in_order_where_the_terminal_hangs_up(command, tm
     def moved(*arguments):
         try:
             os.kill(os.getpid(), signal.SIGHUP)
-            pytest.fail("it goes on")
+            pytest.fail("it continues")
         finally:
             os.kill(os.getpid(), signal.SIGHUP)
             ended.append(True)

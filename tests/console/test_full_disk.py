@@ -1,4 +1,4 @@
-"""A disk that becomes full while drawbar steers: steering goes on, and the pages say in plain words what is lost."""
+"""A disk that becomes full while drawbar steers: steering continues, and the pages say in plain words what is lost."""
 
 import sys
 

@@ -21,7 +21,7 @@ from drawbar.messages import Action
 
 
 class Bench:
-    """A valve whose time goes on while `goes` is set, or as fast as it can."""
+    """A valve whose time passes while `goes` is set, or as fast as it can."""
 
     def __init__(self, monkeypatch):
         self.goes, self.lines = threading.Event(), []

@@ -2,7 +2,7 @@
 
 Drives stand-ins in processes, in real time, over real sockets, and sends SIGKILL or SIGSTOP to controller, receivers or
 recorder, each as often; listens on the computer's loopback to the datagrams to both boards, which takes root. What was
-frozen goes on a second after the boards were let go of (the recorder: after its silence was told), and is listened to
+frozen continues a second after the boards were let go of (the recorder: after its silence was told), and is listened to
 for two seconds more. Prints a table, and ends with 1 where a limit below was exceeded, something steered again or a log
 was unreadable. A drive that was not steered when the signal was due is not counted.
 """
@@ -159,7 +159,7 @@ def _signalled(drive: Drive, outcome: Outcome, chance: random.Random) -> float:
 
 
 def _resumed(drive: Drive, outcome: Outcome, wall: float) -> float:
-    """Let what was frozen go on, and watch what it does; return the time that was given."""
+    """Let what was frozen continue, and watch what it does; return the time that was given."""
     if outcome.number is signal.SIGSTOP:
         drive.processes.by_name[outcome.process].send_signal(signal.SIGCONT)
     drive.watch(lambda: False, AFTER)

@@ -1,4 +1,4 @@
-"""Samples that were left out: the estimate goes on as if nothing had been measured in them."""
+"""Samples that were left out: the estimate continues as if nothing had been measured in them."""
 
 import math
 from dataclasses import replace

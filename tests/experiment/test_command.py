@@ -74,7 +74,7 @@ def test_an_interrupted_experiment_goes_on_from_its_finished_runs(
         os.killpg(first.pid, signal.SIGINT)  # as from a keyboard: to the workers too
         said = first.communicate(timeout=120)[0]
     assert first.returncode == 130
-    assert "the same command goes on" in said
+    assert "the same command continues" in said
     assert "Traceback" not in said
     before = finished(experiment)
     assert 3 <= len(before) < 16

@@ -70,7 +70,7 @@ def test_another_end_that_wants_to_agree_anew_is_left(tmp_path: Path) -> None:
         finally:
             server.kill()
     assert connection.phase is Phase.CLOSED
-    assert connection.trouble == "TLS: the other end wants to agree anew on it"
+    assert connection.trouble == "TLS: the other end wants to agree again on it"
 
 
 def test_many_bytes_cross_both_ways(serve: Serve) -> None:

@@ -60,7 +60,7 @@ def step_times(autopilot: Autopilot, path: Path, measurements: Sequence[Measurem
     """Let an autopilot drive along recorded measurements, from C, several times.
 
     Args:
-        autopilot: that begins anew.
+        autopilot: it is started again for each of them.
         path: on which the measurements were taken.
         measurements: of all samples.
 

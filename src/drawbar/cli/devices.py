@@ -70,7 +70,7 @@ def _store(devices: "DeviceSettings") -> bool:
 
     console.print(
         "The boards are to store [devices.tractor_board.memory] and [devices.trailer_board.memory], all values: "
-        "each write wears them out, and a board whose motor changes starts anew."
+        "each write wears them out, and a board whose motor changes restarts."
     )
     if not agreed("Does the vehicle stand, with nobody at the steering?", "Write to the boards now?"):
         return False

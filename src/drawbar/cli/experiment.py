@@ -27,6 +27,6 @@ def experiment(
     try:
         met = run_experiments(console, name, seeds=seeds, only=only or (), jobs=jobs, address=cluster)
     except KeyboardInterrupt:
-        console.print("\ninterrupted; the same command goes on from the runs that are finished")
+        console.print("\ninterrupted; the same command continues from the runs that are finished")
         raise SystemExit(130) from None
     raise SystemExit(0 if met else 1)

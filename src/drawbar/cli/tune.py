@@ -27,7 +27,7 @@ def tune(
         typer.Option(parser=written, metavar="PATH", help="folder for the results; default: runs/NAME-tune"),
     ] = None,
 ) -> None:
-    """Search weights or look-ahead for the least error and the least steering; the same command goes on."""
+    """Search weights or look-ahead for the least error and the least steering; the same command continues."""
     from drawbar.extras import require_extra
 
     require_extra("experiments", "drawbar tune")
@@ -41,5 +41,5 @@ def tune(
     try:
         command.tune(console, space, folder, budget)
     except KeyboardInterrupt:
-        console.print("\ninterrupted; the same command goes on from the runs that are finished")
+        console.print("\ninterrupted; the same command continues from the runs that are finished")
         raise SystemExit(130) from None

@@ -30,7 +30,7 @@ class InsidePage:
         """Build the page."""
         self._link, self._words = link, words
         self._columns: list[Column] | None = None
-        """that the browser draws now; None: it is to begin anew"""
+        """that the browser draws now; None: it is to restart"""
         self._version, self._stands = 0, False
         ui.add_head_html('<script src="/drawbar/plots.js"></script>')
         self._head = PageHead(link, visitor, words, words("inside"), login=login)

@@ -17,7 +17,7 @@ FRESH = 1_000_000_000
 
 
 class Surveyor:
-    """Takes the receivers' fixes; a curve goes on being recorded whether a page is open or not."""
+    """Takes the receivers' fixes; a curve continues to be recorded whether a page is open or not."""
 
     def __init__(self, mast: Mast, clock: Callable[[], int]) -> None:
         """Take where the tractor's antenna stands, and the monotonic clock in ns."""

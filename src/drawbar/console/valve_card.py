@@ -53,7 +53,7 @@ class ValveCard:
         """Build the card; keep: takes what is found, as KEY=VALUE; note: writes down that something is moved."""
         self._workshop, self._link, self._words, self._keep_changes, self._note = workshop, link, words, keep, note
         self._pushing: PushCalibration | None = None
-        """what this page has begun, as long as it goes on"""
+        """what this page has begun, as long as it continues"""
         self._shown, self._prepared, self._changes = 0, -math.inf, list[str]()
         with ui.element("section").classes("card"):
             with ui.element("h2"):
@@ -121,7 +121,7 @@ class ValveCard:
         try:
             found = await asyncio.to_thread(_run, pushing, valve)
         finally:
-            pushing.end(STOPPED)  # where the console ends meanwhile; the thread goes on until it is off
+            pushing.end(STOPPED)  # where the console ends meanwhile; the thread continues until it is off
             link.pushing = self._pushing = None
         self._tell(pushing, found)
 

@@ -142,7 +142,7 @@ def call_all(
         if future.status in ("cancelled", "lost"):  # nobody cancels here: the connection has ended
             raise DrawbarError(
                 "the Dask scheduler is gone; finished runs are kept: start it again, with its workers, "
-                "and the same command goes on"
+                "and the same command continues"
             )
         yield key, outcome if future.status == "finished" else Failure(reason=_reason(outcome))
         completed.update(list(submitted(1)))

@@ -91,7 +91,7 @@ def _read_summary(file: Path) -> Summary:
         return msgspec.json.decode(file.read_bytes(), type=Summary)
     except (OSError, msgspec.MsgspecError) as error:
         raise StorageError(
-            f"{file}: cannot be read as a summary ({error}), so {REPORT_NAME} is not written anew; drive that "
+            f"{file}: cannot be read as a summary ({error}), so {REPORT_NAME} is not written again; drive that "
             f"experiment again: drawbar experiment {file.parent}"
         ) from error
 

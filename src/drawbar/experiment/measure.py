@@ -13,7 +13,7 @@ from drawbar.experiment.store import ResultStore
 from drawbar.experiment.task import Result, Task, compile_solvers, digest, run_task, solver_sections, source_digest
 
 RUNS_FOLDER = ".runs"
-"""in the experiment's folder: finished runs, for the same command to go on from"""
+"""in the experiment's folder: finished runs, for the same command to continue from"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -54,7 +54,7 @@ static inline void offset_at(const struct line_offset *offset, double arc_length
     }
 }
 
-/* How much faster the line goes on than its path, whose curvature (1/m) is given; `at` as of offset_at. */
+/* How much faster the line continues than its path, whose curvature (1/m) is given; `at` as of offset_at. */
 static inline double offset_stretch(const double *at, double curvature)
 {
     return hypot(1.0 - curvature * at[0], at[1]);

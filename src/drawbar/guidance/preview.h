@@ -104,7 +104,7 @@ static int preview_turn(struct component *component, const struct path *path, co
     return approach_find(&component->approach, path, &beside, &component->limits, component->room, line);
 }
 
-/* Sample what a body follows at every stage, at a speed over ground, m/s. What is tracked to the left of a body goes on
+/* Sample what a body follows at every stage, at a speed over ground, m/s. What is tracked to the left of a body continues
  * slower in a curve to the left, and faster in one to the right. */
 static void preview_samples(struct component *component, const struct path *path, int body, double speed)
 {

@@ -94,7 +94,7 @@ class GpsFloat(_Event):
     correlation: NonNegative = 0.0
     """time constant of that noise; 0: white, s"""
     honest: bool = True
-    """the receiver reports float and the deviation; else it goes on as before"""
+    """the receiver reports float and the deviation; else it continues as before"""
 
 
 Event = Annotated[SlipStep | SideSlope | Bump | GpsLoss | GpsJump | GpsFloat, Field(discriminator="kind")]

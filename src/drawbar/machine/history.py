@@ -72,7 +72,7 @@ class History:
         self._moments.clear()
 
     def seen(self, delay: Delay) -> Moment:
-        """Return the moment that a sensor with this delay reports now; its jitter is drawn anew."""
+        """Return the moment that a sensor with this delay reports now; its jitter is drawn again."""
         latency, jitter = delay.latency, delay.jitter
         age = latency + jitter * self._rng.standard_normal() if jitter else latency
         steps = min(max(round(age / self._step), 0), self._reach - 2)

@@ -67,7 +67,7 @@ class SampledMachine(MachineWithTruth):
     def write(self, command: Command) -> None:
         """Take over the command, which acts from now on.
 
-        Raises HardwareError when the command is not finite or beyond the limits; then the last one goes on to act.
+        Raises HardwareError when the command is not finite or beyond the limits; then the last one stays in effect.
         """
         self._newest = accepted(command, self._vehicle, self._full_speed)
 

@@ -60,7 +60,7 @@ class RealTimeIteration(Guarded):
         """move trajectory and data by one sample"""
 
     def residuals(self) -> Residuals:
-        """Return by how much the trajectory misses the optimum of the nonlinear problem; linearises along it anew."""
+        """Return by how much the trajectory misses the optimum of the nonlinear problem; linearises along it again."""
         self.prepare()
         self.workspace.function("slope")()
         return residuals(self.workspace.array, self._free_initial)
@@ -204,7 +204,7 @@ class EstimationSolver(RealTimeIteration):
     advance(). The window fills from its first row on. A value beyond 1e12 is refused: feedback() returns BAD_INPUT and
     moves nothing, advance() takes the value for missing. What is smaller is believed, however far off, and a nonlinear
     model may never find back: write NaN in the place of a value that is further from what row `newest` of `x` expects
-    than it can be, and begin anew with restart() where one got in (docs/tutorial.md). `lower` and `upper` hold
+    than it can be, and restart with restart() where one got in (docs/tutorial.md). `lower` and `upper` hold
     the bounds of each bounded variable: (N+1,) of a state, (1,) of a parameter, (N,) of an input.
     """
 
@@ -279,7 +279,7 @@ class EstimationSolver(RealTimeIteration):
     def advance(self) -> SolverStatus:
         """Slide the window on by one sample, once it is full, and prepare the next feedback.
 
-        Returns SOLVED, or what went wrong. When the oldest stage cannot be absorbed, the arrival cost starts anew: the
+        Returns SOLVED, or what went wrong. When the oldest stage cannot be absorbed, the arrival cost restarts: the
         first prior's deviations around the present estimate of the window's new first state.
         """
         absorbed = self.slide()

@@ -44,7 +44,7 @@ class RtcmFramer:
     """Takes frames out of bytes that are cut anywhere. Bytes that belong to no intact frame are dropped and counted."""
 
     def __init__(self, dropped: Counter[str] | None = None) -> None:
-        """Begin; where counts are given, go on counting in them."""
+        """Begin; where counts are given, continue them."""
         self.dropped: Counter[str] = Counter() if dropped is None else dropped
         """`bytes` outside frames, and frames whose `checksum` is wrong"""
         self._held = bytearray()

@@ -15,7 +15,7 @@ from drawbar.protocols.sensors import Encoder, Potentiometer, SensorFault, Wheel
 _WRAP = 2**32
 """ms"""
 _RESTARTED = 5
-"""reports in a row that are not after the last one come from a board that has begun anew"""
+"""reports in a row that are not after the last one come from a board that has restarted"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

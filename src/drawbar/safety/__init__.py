@@ -1,1 +1,1 @@
-"""Safety: the last check of a command, and the decision whether a run may go on."""
+"""Safety: the last check of a command, and the decision whether a run may continue."""

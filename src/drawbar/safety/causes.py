@@ -63,7 +63,7 @@ class Cause(Enum):
     OVERRUNS = (110, True, Response.DEGRADE, "several steps came late in the last seconds",
         "end other programs or lower the rate")
     CONTROLLER_STOPS = (111, True, Response.STOP, "the controller has ended its run",
-        "see its status: the line has ended, or it cannot go on")
+        "see its status: the line has ended, or it cannot continue")
     CONTROLLER_GONE = (112, True, Response.RELEASE, "the controller's process has ended",
         "see its last messages; start drawbar again")
 
@@ -177,7 +177,7 @@ class Cause(Enum):
     NO_OPERATOR = (601, True, Response.STOP, "no operator is present",
         "open the console, or start the keyboard again")
     NOT_RECORDING = (602, True, Response.TELL, "nothing is recorded: the disk is full, or the recorder has ended",
-        "steering goes on; stop when it suits, make room on the disk, start drawbar again")
+        "steering continues; stop when it suits, make room on the disk, start drawbar again")
     EMERGENCY_UNTRIED = (603, True, Response.NONE, "the emergency stop has not been tried since the start",
         "stand, press the emergency stop, then acknowledge")
     WIGGLE_UNTRIED = (604, True, Response.NONE, "the actuators' signs and gains have not been tried",
@@ -193,7 +193,7 @@ class Cause(Enum):
     EMERGENCY = (609, False, Response.NONE, "the operator asked for an emergency stop",
         "acknowledge when standing")
     NOT_GUARDED = (610, True, Response.TELL, "the guard, which lets the boards go where the gate cannot, is silent",
-        "steering goes on; stop when it suits, end other programs, start drawbar again")
+        "steering continues; stop when it suits, end other programs, start drawbar again")
     LEASE_HELD = (621, False, Response.NONE, "another operator holds the lease",
         "let that one release it, or fall silent")
     NOT_ARMED = (622, False, Response.NONE, "the gate is not armed, or no longer",
@@ -209,7 +209,7 @@ class Cause(Enum):
     NOTHING_TO_ACKNOWLEDGE = (627, False, Response.NONE, "no state waits for the operator",
         "nothing")
     STEERED = (628, False, Response.NONE, "the vehicle is steered",
-        "to engage anew or to choose the line, stop first")
+        "to engage again or to choose the line, stop first")
     # fmt: on
 
 

@@ -4,7 +4,7 @@ Judged on a window of the last ticks. A steering that hardly moves while its set
 whichever side the set point is: it may change sides meanwhile. So is one that is less far off, but for longer, and
 rests: a steering that always stands off moves as its set point does, one within its dead band is nearer. One whose set
 point is on the same side all the time, and which goes away from it, and still does, is reversed; the last because a
-steering with dead time goes on for a moment after its set point has changed sides.
+steering with dead time continues for a moment after its set point has changed sides.
 
 One that goes away from its set point for as long as a stuck one rests, and still does, is told more than is measured:
 it follows, and stands off. How far it does is remembered, and it may be further off by that, within a bound, before it

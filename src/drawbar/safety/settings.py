@@ -85,7 +85,7 @@ class DriveSettings(Settings):
     stood: Timeout = 0.5
     """for how long it must be below it, s"""
     correction_age: Positive = 20.0
-    """oldest corrections with which to go on undegraded, s"""
+    """oldest corrections with which to continue undegraded, s"""
     lateral_deviation: Positive = 0.08
     """standard deviation across the line at which to stop, m"""
     lateral_error: Positive = 1.5

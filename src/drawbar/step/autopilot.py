@@ -57,7 +57,7 @@ class Autopilot:
             at: arc length there, m.
 
         Raises:
-            PathError: the path is not smooth, or not under the vehicle there; the run goes on along the old one.
+            PathError: the path is not smooth, or not under the vehicle there; the run continues along the old one.
         """
         demand_number("at", at, "give an arc length in m", PathError)
         self._set_path("change_path", path, ctypes.c_double(at), at=at)
@@ -102,7 +102,7 @@ class Autopilot:
     def set_engaged(self, engaged: bool) -> None:
         """Tell whether the commands are carried out; at first they are.
 
-        While they are not, the command repeats the steering as it is, and plans go on from what the vehicle does.
+        While they are not, the command repeats the steering as it is, and plans continue from what the vehicle does.
         """
         self.library.call("set_engaged", ctypes.c_int32(engaged))
 
@@ -176,7 +176,7 @@ def _require(status: Status, path: Path, at: float) -> None:
         raise PathError(f"{at} m is not on the path; give an arc length from 0 to below {path.length:.2f} m")
     if status is Status.ELSEWHERE:
         raise PathError(
-            f"the vehicle is not on the new path near {at:.2f} m, or faces away from it; the run goes on as it was"
+            f"the vehicle is not on the new path near {at:.2f} m, or faces away from it; the run continues as it was"
         )
     if status is not Status.OK:
         raise PathError(status.text)

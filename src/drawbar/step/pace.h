@@ -52,7 +52,7 @@ static inline int pace_left_out(struct autopilot *a, double elapsed)
     return (int)(elapsed / sample + 0.5) - 1;
 }
 
-/* Set the speed to command. Returns 0, or enum drawbar_status where the run cannot go on. */
+/* Set the speed to command. Returns 0, or enum drawbar_status where the run cannot continue. */
 static inline int pace_step(struct autopilot *a, int solved)
 {
     const struct step_settings *settings = &a->settings;

@@ -100,7 +100,7 @@ class Connection:
         try:
             self._tls.seal(data)
         except ssl.SSLWantReadError:
-            self.close("TLS: the other end wants to agree anew on it")
+            self.close("TLS: the other end wants to agree again on it")
             return 0
         except ssl.SSLError as error:
             self.close(f"TLS: {error.reason or error}")

@@ -31,7 +31,7 @@ class FileTransport(Transport):
         self._shift: float | None = None
         """from the recording's time to now, s"""
         path = Path(address.path)
-        if path.exists() and not path.is_file():  # of a device or a pipe, reading could go on for ever
+        if path.exists() and not path.is_file():  # of a device or a pipe, reading might never end
             raise HardwareError(f"recording {path}: is no file; a serial line is written serial:{path}@115200")
         try:
             self._file = path.open(encoding="ascii", errors="replace")

@@ -8,7 +8,7 @@ from drawbar.transports.clock import Clock
 from drawbar.transports.connection import Connection, Phase
 
 BACK_OFF = (1.0, 2.0, 5.0, 10.0)
-"""pauses before the attempts that follow one another without a byte, s; the last one goes on"""
+"""pauses before the attempts that follow one another without a byte, s; the last one continues"""
 ATTEMPT = 5.0
 """an attempt that is not through by then is given up, s"""
 

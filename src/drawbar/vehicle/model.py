@@ -51,7 +51,7 @@ class Model:
     """x' = derivative(x, u, p) and outputs h(x, u, p), as CasADi SX expressions of the symbols x, u, p and constants.
 
     Plain numbers in the expressions belong to the model's structure: another number is another model to a solver, which
-    is compiled anew. Raises ModelError when shapes or names do not fit each other.
+    is compiled again. Raises ModelError when shapes or names do not fit each other.
     """
 
     name: str

@@ -71,7 +71,7 @@ def test_an_interrupt_is_told(drawbar: Drawbar, monkeypatch: pytest.MonkeyPatch,
     monkeypatch.setattr(Driver, "scores", interrupted)
     code, said = drawbar("paper", "--parameters", RANGES, "--out", str(tmp_path))
     assert code == 130
-    assert "the same command goes on" in said
+    assert "the same command continues" in said
 
 
 @pytest.mark.parametrize(
@@ -128,7 +128,7 @@ def test_a_run_that_failed_by_chance_is_not_held_against_its_values(
     driver: Driver, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("drawbar.experiment.measure.source_digest", lambda: "another")
-    with pytest.raises(DrawbarError, match=r"trial 4, seed 0: .*another version.* The same command goes on"):
+    with pytest.raises(DrawbarError, match=r"trial 4, seed 0: .*another version.* The same command continues"):
         driver.scores([(4, driver.space.own)])
 
 

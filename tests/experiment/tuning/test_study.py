@@ -1,4 +1,4 @@
-"""The search on closed forms: it finds a known front, and goes on after a kill as if there had been none."""
+"""The search on closed forms: it finds a known front, and continues after a kill as if there had been none."""
 
 import math
 import os

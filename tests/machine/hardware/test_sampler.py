@@ -174,7 +174,7 @@ def test_one_lost_epoch_does_not_move_the_samples_of_a_faster_receiver():
 
 @pytest.mark.parametrize("away", range(4))
 def test_samples_stay_with_the_slower_receiver(away):
-    """Tractor at 10 Hz, trailer at 5; both fall silent for a second, then go on where they like."""
+    """Tractor at 10 Hz, trailer at 5; both fall silent for a second, then continue where they like."""
     epochs = [
         (SECOND + k * SECOND // 10, {} if k % 2 == 0 else {"trailer_x": math.nan})
         for k in range(60)

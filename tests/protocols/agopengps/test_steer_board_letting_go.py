@@ -177,7 +177,7 @@ def test_after_an_own_gap_the_first_second_is_zeros() -> None:
     """Rule 4: zeros for a second after an own gap."""
     bench = Bench("v26")
     bench.run(3.0)
-    for _ in range(40):  # replies go on, no set points
+    for _ in range(40):  # replies continue, no set points
         bench.ticks += 1
         bench.carry(bench.board.advance(bench.start + bench.ticks / bench.rate))
     gap_ended = bench.start + bench.ticks / bench.rate

@@ -65,7 +65,7 @@ class Terminal:
         return told + sensors
 
     def tell_losses(self) -> bool:
-        """Say which processes have ended; return whether the drive goes on without them."""
+        """Say which processes have ended; return whether the drive continues without them."""
         lost, before = self._processes.ended(), self._lost
         self._lost = lost
         if not self._spared() >= set(lost):
@@ -82,7 +82,7 @@ class Terminal:
         return True
 
     def _spared(self) -> set[str]:
-        """Return the processes without which it goes on now: nothing engages without recorder and receivers."""
+        """Return the processes without which it continues now: nothing engages without recorder and receivers."""
         state = self._front.state
         steers = state is not None and bool(state.steers)
         return {CONSOLE} | ({RECORDER} if self._front.drove else set()) | ({RECEIVERS} if steers else set())

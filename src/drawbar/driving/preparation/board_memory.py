@@ -15,7 +15,7 @@ from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.transports.open import open_transport
 
 _LISTENING = 2.5
-"""to a board before it is written to, which must be fit to steer, and after: an AiO_26 may start anew for 2 s; s"""
+"""to a board before it is written to, which must be fit to steer, and after: an AiO_26 may take 2 s to restart; s"""
 _STANDING = 0.05
 """speed below which the vehicle stands, m/s"""
 

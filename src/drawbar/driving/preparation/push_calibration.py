@@ -39,7 +39,7 @@ class PushCalibration:
     """The pushes of one calibration. `end`, `attend` and what is read may be called from another thread."""
 
     def __init__(self, machine: CalibratedMachine, settings: BareValveSettings, *, patience: float = math.inf) -> None:
-        """Take what is moved, its settings, and for how long it may go on without `attend`, s."""
+        """Take what is moved, its settings, and for how long it may continue without `attend`, s."""
         self.rows: list[tuple[float, float, float]] = []
         """monotonic time (s), angle (rad) and drive (-1 to 1) of each report; it only grows"""
         self.bands = DeadBandPlan()

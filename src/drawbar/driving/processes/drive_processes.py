@@ -30,11 +30,11 @@ CONFIGURATION_NAME = "config.toml"
 MESSAGES_NAME = "messages.txt"
 """in the folder of the run: what the processes have written"""
 LOSSES = {
-    CONSOLE: "the console has ended, and the drive goes on",
-    RECORDER: "the recorder has ended: nothing is recorded any more, what was recorded is kept, and the drive goes on",
+    CONSOLE: "the console has ended, and the drive continues",
+    RECORDER: "the recorder has ended: nothing more is recorded, what was recorded is kept, and the drive continues",
     RECEIVERS: "the receivers' process has ended: the vehicle is steered along its line until it stands; brake",
 }
-"""processes without which a drive goes on, the last one only while it steers, and what is then said"""
+"""processes without which a drive continues, the last one only while it steers, and what is then said"""
 _ENDING = 5.0
 """within which a process must end that was told to, s"""
 _STARTING = 30.0

@@ -34,7 +34,7 @@ class Budget:
 
 
 def tune(console: Console, space: SearchSpace, folder: Path, budget: Budget) -> None:
-    """Search, or go on with the search that lies in the folder, and leave the report there.
+    """Search, or continue with the search that lies in the folder, and leave the report there.
 
     Raises:
         DrawbarError: the folder cannot be written, the configuration cannot be driven as it is, no cluster.

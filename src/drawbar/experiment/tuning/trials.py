@@ -128,4 +128,4 @@ def _refusal(name: str, configuration: str, reason: str) -> Failure:
         compile_solvers(configuration)
     except DrawbarError as error:
         return Failure(reason=str(error))
-    raise DrawbarError(f"trial {name}, {reason}. The same command goes on from the runs that are finished.")
+    raise DrawbarError(f"trial {name}, {reason}. The same command continues from the runs that are finished.")

@@ -57,7 +57,7 @@ def _track_rows(field: Field, origin: LocalFrame) -> list[str]:
         curve = [] if line.is_straight else [_row(*each) for each in zip(points, headings, strict=True)]
         whole = points[-1] - points[0]
         heading = math.atan2(whole[0], whole[1]) % (2.0 * math.pi)
-        ends = [f"{end[0]:.7f},{end[1]:.7f}" for end in (points[0], points[-1])]  # A-B lines go on far beyond them
+        ends = [f"{end[0]:.7f},{end[1]:.7f}" for end in (points[0], points[-1])]  # A-B lines continue far beyond them
         kind = _STRAIGHT if line.is_straight else _CURVE
         rows += [line.name, f"{heading:.9f}", *ends, "0", str(kind), "True", str(len(curve)), *curve]
     return rows

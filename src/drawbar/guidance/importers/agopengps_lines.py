@@ -22,7 +22,7 @@ from drawbar.guidance.importers.text import number, numbers, read_lines
 
 _AB_LINE = 2
 _AB_EXTENSION = 100.0
-"""m that an A-B line goes on where neither a boundary nor the user ends it"""
+"""m that an A-B line continues where neither a boundary nor the user ends it"""
 
 Read = Callable[[Boundary | None, float], RecordedLine]
 

@@ -16,7 +16,7 @@ _READERS = {".csv": read_csv, ".geojson": read_geojson, ".json": read_geojson}
 def load_line(path: Path, track: str | None, extension: float = 0.0) -> RecordedLine:
     """Return the line `track` of a field folder, CSV or GeoJSON file; None takes the only one.
 
-    `extension` is how far A-B lines go on, m; 0: to the field's boundary. The points of a file's other lines are not
+    `extension` is how far A-B lines continue, m; 0: to the field's boundary. The points of a file's other lines are not
     looked at. Raises PathError when nothing readable is there, or when the name is missing, unknown or not unique.
     """
     if path.is_dir():

@@ -82,9 +82,9 @@ def _at_begin_of_motion(time: Floats, asked: Floats, measured: Floats) -> list[f
 
 
 def _onset(time: Floats, moved: Floats) -> float:
-    """Return when a motion began that is just seen; -inf: it did not go on.
+    """Return when a motion began that is just seen; -inf: it did not continue.
 
-    While the set point goes on evenly, speed grows evenly from zero, and the way with the square of the time: four
+    While the set point continues evenly, speed grows evenly from zero, and the way with the square of the time: four
     times the way takes twice the time.
     """
     times = []

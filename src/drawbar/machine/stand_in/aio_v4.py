@@ -41,7 +41,7 @@ class AioV4(StandInBoard):
         self._pin = not pressed
 
     def override(self) -> None:
-        """Let encoder, pressure or current notice the operator; the motor goes on until the next set point."""
+        """Let encoder, pressure or current notice the operator; the motor continues until the next set point."""
         self._overridden = True
 
     def _take(self, time: float, datagram: bytes, port: int) -> None:

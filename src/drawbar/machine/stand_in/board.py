@@ -70,7 +70,7 @@ class StandInBoard(ABC):
         self.restart(start)
 
     def restart(self, time: float, outage: float = 0.0) -> None:
-        """Start anew `outage` s after `time`, with the settings that it has stored; until then it is off."""
+        """Restart `outage` s after `time`, with the settings that it has stored; until then it is off."""
         self._start, self._ticks = time + outage, 0
         self.driving, self.pwm = False, 0
         self._boot()
@@ -124,7 +124,7 @@ class StandInBoard(ABC):
         self._send(time, Pgn.SCAN_REPLY, subnet + b"\x7e" + subnet, everywhere=True)
 
     def _move(self, time: float, numbers: bytes) -> None:
-        """Take the address of another subnet and start anew."""
+        """Take the address of another subnet and restart."""
         self.subnet = ".".join(str(number) for number in numbers)
         self.restart(time)
 

@@ -1,6 +1,6 @@
 """Board settings: what a steer board stores (252, 251). It writes them at once to memory that wears out.
 
-They are for an operator's command at standstill, never for a cycle; AiO_26 stops for 2 s and starts anew when 251
+They are for an operator's command at standstill, never for a cycle; AiO_26 stops for 2 s and restarts when 251
 changes its motor.
 """
 

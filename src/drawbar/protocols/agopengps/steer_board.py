@@ -1,10 +1,10 @@
 """Steer board: an AIO v4 or AiO_26 board as a steering actuator, with the rules that make its firmware safe to use.
 
-A board begins to steer when the status goes from 0 to 1, and has habits that must never meet a status 1 nobody asked
-for: an AIO v4 that starts while it hears status 1 steers by itself, both go on where they were after a silence, and an
-AIO v4 whose operator took over keeps the motor on until the next frame. So status 1 is sent only after an edge of the
-request, to a board that has replied for a second and was off during three frames with status 0; and whatever is
-wrong, status 0 is sent at once and from then on, until the request has been taken back.
+A board begins to steer when the status goes from 0 to 1. An AIO v4 that starts while it receives status 1 steers by
+itself, both resume after a silence, and an AIO v4 whose operator took over keeps the motor on until the next frame.
+So status 1 is sent only after an edge of the request, to a board that has replied for a second and was off during
+three frames with status 0; and whatever is wrong, status 0 is sent at once and from then on, until the request has
+been taken back.
 """
 
 import math
@@ -150,7 +150,7 @@ class SteerBoard(SteeringActuator[bytes]):
                 self._release(*fault)
 
     def _fault(self, time: float, request: SteeringRequest) -> tuple[str, Readiness] | None:
-        """Return why steering cannot go on, or None."""
+        """Return why steering cannot continue, or None."""
         if not (math.isfinite(request.angle) and abs(request.speed) <= FASTEST):
             return "set point or speed not allowed", Readiness.NOT_READY
         if self._replies.master_within(time, MASTER_GONE):

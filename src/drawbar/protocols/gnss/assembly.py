@@ -27,7 +27,7 @@ _FIRST = 3
 _LATENCY, _LINE_LATENCY = 0.04, 0.01
 """of receiver and line where nobody tells: most have 0.01 to 0.08; and of the line alone, s"""
 _NEW_TIME = 5
-"""epochs in a row that go on from each other in the past are a receiver that has set its clock"""
+"""epochs in a row that continue from each other in the past are a receiver that has set its clock"""
 
 _LEAD = 0.05
 """by which the first epochs may be later than the least delay shows afterwards, s; more is another time of the

@@ -1,7 +1,7 @@
 """Framing: whole frames out of a stream that mixes NMEA, UBX, SBF and RTCM with anything else.
 
 The libraries' own readers swallow up to 65 kB after one corrupted length. Here a candidate that fails costs its first
-byte alone: the search goes on at the next, so every intact frame comes out, however the stream was cut.
+byte alone: the search continues at the next, so every intact frame comes out, however the stream was cut.
 """
 
 import re

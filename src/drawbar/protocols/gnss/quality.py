@@ -1,7 +1,7 @@
 """Quality of the fix, debounced: along trees it flips several times a second.
 
 Policy: a worse quality is believed at once, a better one after it has held for some time. Driving slows down when a
-fix becomes float and must not speed up and slow down again with each flip; a fix just found anew may be a wrong one.
+fix becomes float and must not speed up and slow down again with each flip; a fix just found again may be a wrong one.
 """
 
 from collections import deque

@@ -10,7 +10,7 @@ messages go with the news"""
 
 
 class Cadence:
-    """Messages of one period. No tick is caught up: after a gap the period begins anew."""
+    """Messages of one period. No tick is caught up: after a gap the period restarts."""
 
     def __init__(self, period: float) -> None:
         self.period = period

@@ -18,7 +18,7 @@ _MILLI = 1e-3
 _NO_DISTANCE = 0xFFFFFFFF
 _DISTANCE_ERROR = 0xFE000000
 _DISTANCE_ROUND = 0xFB000000
-"""where the counter of ISO 11783-7 begins anew; some run on to 2^32"""
+"""where the counter of ISO 11783-7 restarts; some run on to 2^32"""
 _PTO_RESOLUTION = 0.125 * 2.0 * math.pi / 60.0
 _HITCH_RESOLUTION = 0.004
 _LAST_VALID_U8 = 250
@@ -41,7 +41,7 @@ class WheelOrGroundSpeed:
     speed: float = math.nan
     """m/s, reverse negative; NaN: not available, in error, or moving in a direction that is not said"""
     distance: float = math.nan
-    """m, reverse counted as forward; begins anew every 4295 km"""
+    """m, reverse counted as forward; restarts every 4295 km"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

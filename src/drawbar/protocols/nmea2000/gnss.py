@@ -172,7 +172,7 @@ class Nmea2000Receiver(Component):
             self._settle(joined.sid)
 
     def _epoch(self, time: float, sid: int) -> _Open:
-        """Return the open epoch of a sequence identifier; one that has grown old without a position is begun anew."""
+        """Return the open epoch of a sequence identifier; one that has grown old without a position is restarted."""
         epoch = self._open.get(sid)
         if epoch is not None and time - epoch.time > _SILENCE:
             del self._open[sid]

@@ -49,7 +49,7 @@ def test_position_without_a_fix_is_never_sent(connect: Callable[..., Bench]) -> 
         bench.clock.now += 5.0
         bench.until(lambda: bench.status.uploads == 2)
         until(lambda: len(caster.positions) == 2)
-        assert set(caster.positions) == {GGA.strip()}, "the last one with a fix goes on"
+        assert set(caster.positions) == {GGA.strip()}, "the last one with a fix continues"
 
 
 def test_stream_that_waits_for_a_position_in_vain_is_given_up_in_the_end(connect: Callable[..., Bench]) -> None:

@@ -43,7 +43,7 @@ class CorrectionsClient:
     def position(self, sentence: bytes) -> bool:
         """Take the receiver's latest GGA sentence for the caster, and return whether it is one with a fix.
 
-        While there is no fix the last one with a fix goes on being sent: a network needs to know where we are.
+        While there is no fix the last one with a fix continues to be sent: a network needs to know where we are.
         """
         upload = upload_of(sentence)
         self._position = upload or self._position

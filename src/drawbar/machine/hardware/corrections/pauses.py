@@ -3,7 +3,7 @@
 from random import Random
 
 PAUSES = (1.0, 10.0, 20.0, 40.0, 60.0)
-"""after the first failure, the second, ..., s; the last one goes on"""
+"""after the first failure, the second, ..., s; the last one continues"""
 SPREAD = 0.2
 """each is made longer or shorter by up to this share"""
 BAN = 10.0
@@ -28,5 +28,5 @@ class Pauses:
         return max(shortest, (REFUSED if refused else nominal) * spread)
 
     def settled(self) -> None:
-        """Begin anew: a connection has lasted."""
+        """Restart: a connection has lasted."""
         self._failures = 0
