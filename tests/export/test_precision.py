@@ -15,6 +15,7 @@ import pytest
 from single_layout import SingleLayout
 
 from drawbar.codegen import build as build_library
+from drawbar.codegen.cache import runtime_sources
 from drawbar.codegen.compiler import find_compiler
 from drawbar.export import precision
 from drawbar.export.precision import single, single_text
@@ -84,8 +85,8 @@ def test_sines_in_single_precision() -> None:
 void sines(const float *x, float *y, int n) { for (int i = 0; i < n; ++i) y[i] = lane_sin(x[i]); }
 void cosines(const float *x, float *y, int n) { for (int i = 0; i < n; ++i) y[i] = lane_cos(x[i]); }
 """
-    files = single({"unit.c": text, "lanes.h": ""})
-    library = ctypes.CDLL(str(build_library("lanes_single", files, FLAGS)))
+    files = single({"unit.c": text, "lanes.h": runtime_sources()["lanes.h"], "lane_sine.h": ""})
+    library = ctypes.CDLL(str(build_library("single_lanes", files, FLAGS)))
     x = np.random.default_rng(1).uniform(-1e3, 1e3, 100_000).astype(np.float32)
     for name, exact in (("sines", np.sin), ("cosines", np.cos)):
         y = np.empty_like(x)

@@ -1,29 +1,13 @@
-/* Lanes in single precision: sine, cosine and tangent of lanes.h; a library that is exported so has this in its place.
+/* Sine of a lane in single precision; a library that is exported so has this in the place of lane_sine.h.
  *
  * Argument reduction by pi/2 in three parts (Cody and Waite 1980), then the minimax polynomials of Cephes' sinf.c on
  * [-pi/4, pi/4] (S. Moshier, public). Absolute error below 1e-7 for |x| <= 1e3; NaN and infinity give NaN.
  */
-#ifndef DRAWBAR_LANES_H
-#define DRAWBAR_LANES_H
+#ifndef DRAWBAR_LANE_SINE_H
+#define DRAWBAR_LANE_SINE_H
 
-#include <math.h>
 #include <stdint.h>
-
-#ifndef LANES
-#define LANES 8                            /* stages at once; a unit with one stage says 1 */
-#endif
-
-#if defined(__GNUC__)
-#define LANE static inline __attribute__((always_inline))   /* a call inside the loop would undo its SIMD code */
-#else
-#define LANE static inline
-#endif
-
-#if defined(__GNUC__) && !defined(__clang__)
-#define EACH_LANE _Pragma("GCC unroll 8") for
-#else
-#define EACH_LANE for
-#endif
+#include "lane_loops.h"
 
 /* Adding 1.5 * 2^23 rounds to the nearest integer, which the last bits of the sum then hold. */
 #define LANE_ROUND 12582912.0f
@@ -42,34 +26,6 @@ LANE float lane_sine(float x, uint32_t turns)
     value.number = quarter & 1 ? c : s;
     value.bits ^= (quarter & 2) << 30;     /* the sign flips every two quarter turns */
     return value.number;
-}
-
-LANE float lane_sin(float x)
-{
-    return lane_sine(x, 0);
-}
-
-LANE float lane_cos(float x)
-{
-    return lane_sine(x, 1);
-}
-
-LANE float lane_tan(float x)
-{
-    return lane_sine(x, 0) / lane_sine(x, 1);
-}
-
-/* Write those of four numbers side by side that `which` has a bit for; the others are zeros, and stay what they are. */
-LANE void write_four(float *to, int which, float a, float b, float c, float d)
-{
-    if (which & 1)
-        to[0] = a;
-    if (which & 2)
-        to[1] = b;
-    if (which & 4)
-        to[2] = c;
-    if (which & 8)
-        to[3] = d;
 }
 
 #endif
