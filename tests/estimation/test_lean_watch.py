@@ -109,10 +109,10 @@ def watched(
         alignment.apply(change(m), past, believed(*now, time=m.time, speed=drive.speed))
         if alignment.status:
             assert alignment.status == Status.ROLL
-            return m.time, alignment.live.array("leans.doubts").tolist()
+            return m.time, alignment.live.array("positions.leans.doubts").tolist()
         if m.time >= lasts:
             break
-    return math.inf, alignment.live.array("leans.doubts").tolist()
+    return math.inf, alignment.live.array("positions.leans.doubts").tolist()
 
 
 REVERSED, STUCK = 1, 2
@@ -243,8 +243,8 @@ def test_the_bank_finds_what_conditioning_all_measurements_at_once_finds() -> No
     counts = np.maximum(3.0 / np.where(way == way[0], 3.0 + SAMPLE, SAMPLE), 1.0)
     with_state = (prior + way[-1] * walk) @ h.T - (way[-1] - way) * (walk @ h.T)
     gain = np.linalg.solve(together + np.diag(counts * degree**2), with_state.T).T
-    states = alignment.live.array("leans.bank.states").reshape(4, 6)
-    covariance = alignment.live.array("leans.bank.covariance").reshape(6, 6)
+    states = alignment.live.array("positions.leans.bank.states").reshape(4, 6)
+    covariance = alignment.live.array("positions.leans.bank.covariance").reshape(6, 6)
     assert states[0] == pytest.approx(gain @ np.array(values), abs=1e-9)
     assert covariance == pytest.approx(prior + way[-1] * walk - gain @ with_state.T, abs=1e-12)
     assert states[0, [2, 4]] == pytest.approx(drive.zeros, abs=0.3 * degree)

@@ -25,17 +25,17 @@ def alignment_unit(vehicle: VehicleParameters, sensors: SensorNoise) -> Unit:
     fixes = sensors.fixes
     settings: dict[str, ArrayLike] = {
         **{
-            f"masts[ALIGNED_{body.upper()}].{name}": value
+            f"positions.masts[ALIGNED_{body.upper()}].{name}": value
             for body, mast in vehicle.masts
             for name, value in mast.model_dump().items()
         },
         **{f"deviations.{name}": value for name, value in fixes.model_dump(exclude={"age"}).items()},
         **chain_settings(vehicle),
-        "to_axle": vehicle.trailer_antenna,
+        "positions.to_axle": vehicle.trailer_antenna,
         "fix_age": fixes.age,
-        "fix_deviation": sensors.position,
+        "positions.fix_deviation": sensors.position,
         "yaw.gate": YAW_GATE,
-        "ground.spacing": _RECORDED_LENGTHS * (vehicle.hitch_length + vehicle.trailer_length) / _PLACES,
+        "positions.ground.spacing": _RECORDED_LENGTHS * (vehicle.hitch_length + vehicle.trailer_length) / _PLACES,
     }
     return Unit(
         name="alignment", source='#include "alignment.h"', configure=lambda workspace: workspace.write(settings)

@@ -109,7 +109,7 @@ def _leans_otherwise(record: StepRecord, autopilot: Autopilot) -> str:
     """Say which roll sensor is wrong, and what about it."""
     sensors = []
     for place, body in enumerate(("tractor", "trailer")):
-        doubt = _live(autopilot, "alignment", "leans.doubts", place)
+        doubt = _live(autopilot, "alignment", "positions.leans.doubts", place)
         if doubt:
             shown = f"{math.degrees(getattr(record.measurement, f'{body}_roll')):.1f}°"
             wrong = "stands still while it does not" if doubt == _STUCK else "is reversed"

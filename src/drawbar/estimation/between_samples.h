@@ -1,0 +1,41 @@
+/* Between two samples: what a quantity was at an earlier time, and what an old value of it would be now.
+ *
+ * From the last estimate to what is expected now every quantity is taken to change evenly.
+ */
+#ifndef DRAWBAR_BETWEEN_SAMPLES_H
+#define DRAWBAR_BETWEEN_SAMPLES_H
+
+#include <math.h>
+#include "signals.h"
+
+#define OLDEST 1.0                         /* what is older is missing, s */
+
+/* One sample of alignment: what was estimated last, and what is expected now. */
+struct since {
+    const struct drawbar_estimate *last, *expected;
+    time_stamp now;
+    double elapsed;                        /* s */
+};
+
+/* Where something that is `then` (0) and `now` (1) was at an age (s). */
+static inline double at_age(const struct since *since, double age, double then, double now)
+{
+    return age > 0.0 && since->elapsed > 0.0 ? now - age / since->elapsed * (now - then) : now;
+}
+
+/* How far the vehicle has moved, m. */
+static inline double moved_since(const struct since *since)
+{
+    const double moved = fabs(since->expected->speed) * since->elapsed;
+    return isfinite(moved) ? moved : 0.0;
+}
+
+/* What a sensor would report now that reported `value` at an age (s): as its quantity changes from last to expected. */
+static inline double brought_up(const struct since *since, double value, double age, double last, double expected)
+{
+    if (age == 0.0 || isnan(age))
+        return value;
+    return age > 0.0 && age <= OLDEST ? value + expected - at_age(since, age, last, expected) : (double)NAN;
+}
+
+#endif
