@@ -118,7 +118,7 @@ class Session:
         return self._corrections(now, stream)
 
     def _corrections(self, now: float, stream: bytes) -> bytes:
-        """Return the intact frames that these bytes complete: whatever else a caster sends could be a receiver's command."""
+        """Return the intact frames that these bytes complete; anything else could be a command for a receiver."""
         frames = self._framer.feed(stream)
         for frame in frames:
             self._status.take(now, frame)
