@@ -6,7 +6,7 @@ from collections.abc import Callable
 import pytest
 from caster_bench import FAST, LOGIN, Bench
 
-from drawbar.machine.hardware.corrections.session import HELD
+from drawbar.machine.hardware.corrections.session import AT_ONCE
 from drawbar.machine.hardware.corrections.status import CorrectionsState
 from drawbar.machine.stand_in.caster import Caster, Dialect, empty_corrections
 
@@ -26,19 +26,30 @@ def test_corrections_come_out_unchanged(connect: Callable[..., Bench], dialect: 
     assert not any(status.dropped.values())
 
 
-def test_text_before_the_first_frame_reaches_no_receiver(connect: Callable[..., Bench]) -> None:
+_COMMANDS = (
+    b"Welcome to this caster!\r\n",
+    b"$PUBX,40,GGA,0,0,0,0*5A\r\n",
+    bytes.fromhex("B562 0600 0000 0618"),
+    b"\xd3\x00",
+)
+
+
+@pytest.mark.parametrize("command", _COMMANDS, ids=("text", "NMEA command", "UBX command", "cut frame"))
+def test_nothing_but_intact_frames_reaches_a_receiver(connect: Callable[..., Bench], command: bytes) -> None:
     def corrections(epoch: int) -> bytes:
-        return b"Welcome to this caster!\r\n" * (epoch < 3) + empty_corrections(epoch)[: None if epoch else -1]
+        return command + empty_corrections(epoch) + command
 
     with Caster(login=LOGIN, interval=FAST, corrections=corrections) as caster:
         bench = connect(caster.port)
-        bench.until(lambda: len(bench.frames) >= 5)
-    assert bench.stream[:1] == b"\xd3"
+        bench.until(lambda: len(bench.frames) >= 15)
+    frames = b"".join(map(empty_corrections, range(40)))
+    assert frames.startswith(bytes(bench.stream))
+    assert bench.status.dropped["bytes"] >= 14 * len(command)
 
 
 def test_all_of_a_burst_that_begins_the_stream_reaches_the_receivers(connect: Callable[..., Bench]) -> None:
     burst = b"".join(map(empty_corrections, range(400)))
-    assert len(burst) > 2 * HELD
+    assert len(burst) > 2 * AT_ONCE
     with Caster(login=LOGIN, interval=FAST, corrections=lambda epoch: b"" if epoch else burst) as caster:
         bench = connect(caster.port)
         bench.until(lambda: len(bench.frames) >= 1)

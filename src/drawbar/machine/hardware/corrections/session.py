@@ -18,8 +18,6 @@ PATIENCE = 60.0
 """a stream may say nothing for so long while the caster may be waiting for a position that the receiver lacks, s"""
 AT_ONCE = 4096
 """bytes taken at a time, 50 times a second: a hundred times what corrections are, and soon read whatever they are"""
-HELD = 4096
-"""bytes kept until the first intact frame shows that they are corrections"""
 _ADVICE = {
     Answer.SOURCE_TABLE: "check corrections.mount",
     Answer.NO_MOUNT: "check corrections.mount",
@@ -54,7 +52,6 @@ class Session:
         self._connection = Connection(settings.host, settings.port, tls, most=AT_ONCE)
         self._reader = ReplyReader()
         self._framer = RtcmFramer(dropped)
-        self._held = bytearray()
         self._deadline = now + ATTEMPT
         """of the answer, then of the next byte"""
         self._frame_deadline = math.inf
@@ -121,21 +118,15 @@ class Session:
         return self._corrections(now, stream)
 
     def _corrections(self, now: float, stream: bytes) -> bytes:
-        """Return the stream from its first intact frame on."""
+        """Return the intact frames that these bytes complete; anything else could be a command for a receiver."""
         frames = self._framer.feed(stream)
         for frame in frames:
             self._status.take(now, frame)
         if frames:
             self._frame_deadline = now + self._settings.silence
-        if self._flows:
-            return stream
-        held = bytes(self._held + stream)
-        if not frames:
-            self._held[:] = held[-HELD:]
-            return b""
-        self.state, self.began_to_flow = CorrectionsState.FLOWING, now
-        self._held.clear()
-        return held[held.find(frames[0]) :]
+            if not self._flows:
+                self.state, self.began_to_flow = CorrectionsState.FLOWING, now
+        return b"".join(frames)
 
     def _upload(self, now: float, position: bytes) -> None:
         """Send the position at once and then every so often; from the first one on the stream must not be silent."""
