@@ -169,7 +169,7 @@ def _resumed(drive: Drive, outcome: Outcome, wall: float) -> float:
 def table(outcomes: list[Outcome]) -> None:
     """Print what came of all signals, for each process and each signal: least, median and largest times, s."""
     print(
-        "| process | signal | drives | stop asked for, s | let go of, or told, s | steered again | logs | step older |"
+        "| process | signal | drives | stop asked for, s | released, or told, s | steered again | logs | step older |"
     )
     for process, number in itertools.product(PROCESSES, SIGNALS):
         alike = [each for each in outcomes if each.process == process and each.number is number]
