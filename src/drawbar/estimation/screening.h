@@ -13,6 +13,7 @@
 #include "noise_level.h"
 #include "signals.h"
 #include "suspicion.h"
+#include "sway.h"
 #include "trust.h"
 
 #define COARSE 3.0                         /* usual deviations; with more a fix vouches for nothing and accuses no one */
@@ -135,13 +136,25 @@ static inline void screening_narrow(struct screening *s, const double *offsets, 
     s->refused = outside[0] && outside[1];
 }
 
+/* The deviation of one coordinate of a usual fix, m: the stated one, or what the fixes show where that is more. */
+static inline double screening_white(const struct screening *s)
+{
+    return fmax(noise_deviation(&s->noise), s->deviation);
+}
+
+/* What masts add to its variance, m2; antennas that the model does not tie together (single_growth) show none. */
+static inline double screening_sway(const struct screening *s)
+{
+    return s->single_growth > 0.0 ? 0.0 : sway_variance(&s->suspicion, screening_white(s));
+}
+
 /* Find which fixes lie outside their gates, and who is suspect.
  *
  * told: deviation of each fix, m, NaN: the usual one; both: both have a fix that can vouch for the other. */
 static inline void screening_gate(struct screening *s, double time, const double *fixes, const double *expected,
                                   const double *told, int both, int *outside)
 {
-    const double deviation = fmax(noise_deviation(&s->noise), s->deviation);
+    const double white = screening_white(s), deviation = sqrt(white * white + screening_sway(s));
     const double sped = s->late * s->manoeuvre.change.speed;
     double offsets[4], rooms[2], across[2];
 
@@ -279,6 +292,18 @@ static inline void screening_lengths(const struct screening *s, const double *ex
     believed->tractor_y -= north;
     believed->trailer_x += east;
     believed->trailer_y += north;
+}
+
+/* Let both fixes count for as little as the sway of their masts leaves them. */
+static inline void screening_weigh(const struct screening *s, struct screened *screened)
+{
+    double *told[] = {&screened->measurement.tractor_fix_deviation, &screened->measurement.trailer_fix_deviation};
+    const double variance = screening_sway(s);
+
+    for (int i = 0; i < 2 && variance > 0.0; ++i) {
+        const double white = isnan(*told[i]) ? s->deviation : *told[i];
+        *told[i] = sqrt(white * white + variance);
+    }
 }
 
 /* Mask a hitch angle that is too far from the expected one, rad: chain and antennas know it as well. */
