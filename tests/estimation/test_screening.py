@@ -93,14 +93,14 @@ def test_a_small_lasting_jump_is_exposed_with_the_samples_before_it():
     assert LATER <= exposed[0] <= LATER + ScreeningSettings().memory
 
 
-def lasting(count, deviation, time, seed):
-    """Return errors (count, 4) of first-order Gauss-Markov noise along the vehicle, which no yaw takes up, m."""
+def lasting(count, deviation, time, seed, direction=0.4):
+    """Return errors (count, 4) of first-order Gauss-Markov noise along the vehicle, or in another direction, m."""
     rng, kept = np.random.default_rng(seed), math.exp(-STEP / time)
     ahead = np.zeros((count, 2))
     ahead[0] = deviation * rng.normal(size=2)
     for k in range(1, count):
         ahead[k] = kept * ahead[k - 1] + deviation * math.sqrt(1.0 - kept**2) * rng.normal(size=2)
-    return np.outer(ahead, [math.cos(0.4), math.sin(0.4)]).reshape(count, 4)
+    return np.outer(ahead, [math.cos(direction), math.sin(direction)]).reshape(count, 4)
 
 
 @pytest.mark.parametrize("time", [1.0, 10.0, 60.0])
@@ -110,6 +110,19 @@ def test_errors_that_last_for_seconds_accuse_no_antenna(time):
         measurements = drive(700, lasting(700, DEVIATION, time, seed), noise=0.005, seed=seed)
         wrong += [result.fixes != (OK, OK) for result in screened(measurements)]
     assert np.mean(wrong) <= 0.01
+
+
+def test_fixes_of_masts_that_sway_pass_and_count_for_less():
+    wrong, deviations = [], []
+    for seed in range(10):
+        sway = lasting(700, 0.06, 1.0, seed, direction=0.4 + math.pi / 2)
+        results = screened(drive(700, sway, seed=seed))[LATER:]
+        wrong += [result.fixes != (OK, OK) for result in results]
+        deviations += [result.measurement.tractor_fix_deviation for result in results[300:]]
+    assert np.mean(wrong) <= 0.01
+    kept = math.exp(-STEP / 1.0)  # many fixes with errors that last so long err like as many independent ones of `alike`
+    alike = 0.06 * math.sqrt((1.0 + kept) / (1.0 - kept))
+    assert 1.5 * 0.06 < np.mean(deviations) < alike
 
 
 def exposes(after, *, silent=None):

@@ -56,7 +56,6 @@ static void screen(struct component *component, const struct drawbar_measurement
     if (!seen->restart) {
         screening_hitch(&component->screening, model_hitch(component->filter.x[0]), seen);
         screening_lengths(&component->screening, antennas, seen);
-        screening_weigh(&component->screening, seen);
     }
     if (seen->restart && model_new_guess(&component->model, measurement, component->filter.x[0], guess)) {
         memcpy(component->filter.x[0], guess, sizeof guess);

@@ -77,7 +77,6 @@ static void take_in(struct component *component, const struct drawbar_measuremen
     if (!component->seen.restart) {
         screening_hitch(&component->screening, model_hitch(newest_state(component)), &component->seen);
         screening_lengths(&component->screening, antennas, &component->seen);
-        screening_weigh(&component->screening, &component->seen);
     }
     if (component->seen.exposed != NEITHER)
         disbelieve(component, component->seen.exposed);

@@ -244,7 +244,19 @@ static inline void screening_accept(struct screening *s, const struct drawbar_me
         }
 }
 
-/* Mask what is not to be believed of a measurement, as the sensors report it.
+/* Let both fixes count for as little as the sway of their masts leaves them. */
+static inline void screening_weigh(const struct screening *s, struct screened *screened)
+{
+    double *told[] = {&screened->measurement.tractor_fix_deviation, &screened->measurement.trailer_fix_deviation};
+    const double variance = screening_sway(s);
+
+    for (int i = 0; i < 2 && variance > 0.0; ++i) {
+        const double white = isnan(*told[i]) ? s->deviation : *told[i];
+        *told[i] = sqrt(white * white + variance);
+    }
+}
+
+/* Mask what is not to be believed of a measurement, as the sensors report it, and say how little swaying fixes count.
  *
  * expected: x, y (m) of the tractor's antenna and of the trailer's where the estimator expects them at its time;
  * yaw_rate: of the tractor, as its wheels turn it then, rad/s; NaN: not known. */
@@ -275,6 +287,7 @@ static inline void screening_judge(struct screening *s, const struct drawbar_mea
         screening_learn(s, error);
     }
     screening_accept(s, measurement, screened);
+    screening_weigh(s, screened);
 }
 
 /* Move both fixes along the line through the antennas by half of what their distance is wrong on average: nothing of the chain
@@ -292,18 +305,6 @@ static inline void screening_lengths(const struct screening *s, const double *ex
     believed->tractor_y -= north;
     believed->trailer_x += east;
     believed->trailer_y += north;
-}
-
-/* Let both fixes count for as little as the sway of their masts leaves them. */
-static inline void screening_weigh(const struct screening *s, struct screened *screened)
-{
-    double *told[] = {&screened->measurement.tractor_fix_deviation, &screened->measurement.trailer_fix_deviation};
-    const double variance = screening_sway(s);
-
-    for (int i = 0; i < 2 && variance > 0.0; ++i) {
-        const double white = isnan(*told[i]) ? s->deviation : *told[i];
-        *told[i] = sqrt(white * white + variance);
-    }
 }
 
 /* Mask a hitch angle that is too far from the expected one, rad: chain and antennas know it as well. */
