@@ -241,9 +241,14 @@ def test_a_slow_drift_of_both_antennas_is_seen_within_five_seconds(speed, side):
 def test_an_antenna_that_drifts_slowly_alone_is_seen_unless_the_estimate_rejects_it(rates):
     drifting, right = ("tractor", "trailer") if rates[0] else ("trailer", "tractor")
     alone = slowly(rates)
-    assert 5.0 < alone <= 6.5
+    assert 5.5 < alone <= 7.0
     assert slowly(rates, **{drifting: False}) == math.inf
     assert slowly(rates, **{right: False}) <= alone - 1.0, "the estimate follows the one that drifts"
+    apart = 1.1 if rates[0] else -1.1
+    assert 3.5 < slowly(rates, apart=apart) <= alone - 1.5
+    assert slowly(rates, apart=-apart) == alone, "they are apart the other way"
+    assert slowly(rates, apart=0.9 * apart) == alone
+    assert slowly(rates, apart=apart, **{drifting: False}) == math.inf
     assert slowly(rates, **{drifting: False, right: False}) == math.inf
 
 
@@ -278,7 +283,38 @@ def test_in_a_curve_a_slow_drift_to_the_inside_is_not_learned_as_lag(side):
         inside = (-off * side * math.sin(turned), off * side * math.cos(turned))
         drift.hear(epoch(time, radius=radius, noise=inside * 2))
         found = min(found, time - begin) if drift.drifts_slowly(**FOLLOWED) else found
-    assert 6.0 < found <= 8.2
+    assert 4.0 < found <= 5.0
+
+
+LAGS = {"speed": 2.0, "radius": 8.0}
+
+
+def apart_in_curve(rate, lags, apart):
+    """Return after which time a slow drift of the tractor's antenna (m/s) to the inside of a first curve is seen, s."""
+    drift = PositionDrift()
+    for time in times(24.0, -12.0):
+        where = epoch(time, **(LAGS if time >= 0.0 else {"speed": 2.0}))
+        off, turned = rate * max(time - 2.0, 0.0), max(time, 0.0) * 0.25
+        aside = {
+            "tractor_x": where.tractor_x - off * math.sin(turned),
+            "tractor_y": where.tractor_y + off * math.cos(turned),
+        }
+        courses = {
+            f"{body}_course": 0.25 * max(time - lag, 0.0)
+            for body, lag in zip(("tractor", "trailer"), lags, strict=True)
+        }
+        drift.hear(replace(where, **aside, **courses))
+        if drift.drifts_slowly(apart=apart, **FOLLOWED):
+            return time - 2.0
+    return math.inf
+
+
+def test_of_one_antenna_it_is_seen_in_a_first_curve_by_what_it_is_aside_more_than_the_other():
+    assert apart_in_curve(0.05, (0.0, 0.0), 1.1) <= 5.0
+    assert apart_in_curve(0.05, (0.1, 0.1), 1.1) <= 5.0, "both lag"
+    assert apart_in_curve(0.05, (0.0, 0.0), 0.0) > 6.0
+    assert apart_in_curve(0.0, (0.25, 0.25), 1.1) == math.inf
+    assert apart_in_curve(0.0, (0.25, 0.0), 0.0) == math.inf, "one receiver's velocity lags, the antennas are not apart"
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])

@@ -16,7 +16,7 @@ from drawbar.signals import Command, FixQuality, FixStatus, SolverStatus, Status
 from drawbar.simulation import build_path
 
 PERIOD, SPEED, BEHIND = 0.2, 2.0, 5.0
-AT = SimpleNamespace(x=0.0, y=0.0)
+AT = SimpleNamespace(x=0.0, y=0.0, yaw=0.0)
 
 
 def epoch(time, aside):
@@ -36,7 +36,7 @@ def step(measurement, hitch):
     estimate = SimpleNamespace(
         hitch_angle=hitch, trailer_steering=0.0, status=SolverStatus.SOLVED,
         tractor_fix=FixStatus.ACCEPTED, trailer_fix=FixStatus.ACCEPTED,
-        tractor=SimpleNamespace(x=measurement.tractor_x, y=measurement.tractor_y), trailer=AT,
+        tractor=SimpleNamespace(x=measurement.tractor_x, y=measurement.tractor_y, yaw=0.0), trailer=AT,
         longitudinal_slip=1.0, tractor_slip=1.0, steering_offset=0.0, tractor_crab=0.0, trailer_crab=0.0,
     )  # fmt: skip
     return SimpleNamespace(measurement=measurement, estimate=estimate)
@@ -150,3 +150,13 @@ def test_the_answer_that_is_computed_again_takes_the_place_of_the_bent_one_at_on
     controller.has_corrected = False
     loop.miss()
     assert [getattr(each, "told", each) for each in sent[3:]] == ["bent", "state"]
+
+
+def test_by_how_much_the_antennas_are_apart_decides_on_a_slow_drift_of_one(drive, monkeypatch):
+    told, drift = [], drive.controller._drift
+    monkeypatch.setattr(drift, "drifts_slowly", lambda *, tractor, trailer, apart: bool(told.append(apart)))
+    drive.pass_epochs(
+        0.0, 4.0, lambda time: -0.1
+    )  # the trailer's is to the right of its estimate, the tractor's is not
+    assert told[0] == 0.0
+    assert told[-1] > 1.0

@@ -1,16 +1,15 @@
 """Position drift: positions that go aside of what the receivers' own velocities say, or jump.
 
 A receiver finds its velocity from the carrier's Doppler shift, which a wrongly fixed ambiguity or a drifting reference
-does not touch. Over the last seconds the way between two positions is held against the velocity's integral, across it
-only: a velocity in a wrong unit is seen elsewhere. Wheels that slip sideways do not matter, as both see that. Both
-antennas must go to the same side; their mean, of less noise than either, then decides. Where only one of them has a
-fixed solution, it alone does.
+does not touch. Over the last seconds the way between two positions is held against the velocity's integral
+(ways_aside.py), across the direction in which it goes now only: a velocity in a wrong unit is seen elsewhere. Wheels
+that slip sideways do not matter, as both see that. Both antennas must go to the same side; their mean, of less noise
+than either, then decides. Where only one of them has a fixed solution, it alone does.
 
 A slow drift is seen over a longer time, of each antenna by itself: an estimate that follows one of them takes a drift
-of a few centimetres a second for crab angles, although the other is right.
-
-In a curve the direction of the velocity lags, and the positions go aside of it, to the inside. By how much is learned
-of each receiver.
+of a few centimetres a second for crab angles, although the other is right. Then both are apart of where the chain of
+both bodies has them (antennas_apart.py), and less is enough, also what one goes aside more than the other: a lag that
+both receivers have shows in both.
 
 A jump beside the velocity by half a metre from one epoch to the next is none for the estimate to follow: it rejects
 it. But it tells that the positions are wrong, whatever else contradicts the estimate.
@@ -21,26 +20,20 @@ takes the place of the positions, from where the antennas were before (driving/l
 
 import math
 from collections import deque
-from dataclasses import dataclass, replace
-from statistics import fmean
+from dataclasses import replace
 
+from drawbar.driving.fault_detection.ways_aside import GAP, SAME, Aside, Lag, Place, Window, mean_of
 from drawbar.messages import Fixes, seconds
 from drawbar.signals import FixQuality, Measurement
 
 _WINDOW = 2.0
 """over which both ways are compared, s"""
-_JUMP = 0.5
-"""m beside where the velocity leads from one epoch to the next: farther is a jump, no drift"""
 _RECENT = 1.0
 """for which a jump is told, s"""
-_GAP = 0.5
-"""between two epochs, after which it begins anew, s; as after a jump"""
 _LONG = 8.0
 """over which a slow drift is looked for, s"""
 _LATELY = 1.0
 """over which that is averaged, s"""
-_LEAST = 0.25
-"""mean speed whose way has a direction, m/s"""
 _ASIDE, _SHARE = 0.15, 0.03
 """m, and of the way; both antennas' mean farther aside is a contradiction"""
 _EACH = 0.65
@@ -49,135 +42,27 @@ _ALONE = 1.4
 """times that, by which the only one that is known is aside"""
 _SLOWLY, _SLOW_SHARE = 0.20, 0.01
 """m, and of the way: the same over the longer time, in which noise counts less"""
+_LONE, _APART = 1.5, 0.9
+"""of that, by which one is aside alone; that is apart of the other, too"""
 _AHEAD = 0.15
 """of the way, by which positions may be ahead of the velocities, or behind; more tells of speeds in a wrong unit"""
 _LAG, _LATE_LAG = 0.15, 0.3
 """by which a receiver's filter lets the velocity's direction lag in a curve at most, s; over the longer time, in which
 a lag counts more than noise"""
-_DOUBT = 2.0
-"""weight of that against what curves say of the lag, m²/s²"""
-_SAME = 1e-6
-"""times nearer than this are the same, s"""
 _CONTRADICTIONS = 2
 """epochs in a row that make a drift"""
-
-
-@dataclass(frozen=True, slots=True)
-class _Place:
-    time: float
-    x: float
-    y: float
-    velocity: tuple[float, float]
-    way: tuple[float, float]
-    """integral of the velocity, east and north, m"""
-
-    def leads_to(self, time: float, x: float, y: float) -> bool:
-        """Return whether another place can be a next one, without a gap or a jump."""
-        step = time - self.time
-        led = (self.x + step * self.velocity[0], self.y + step * self.velocity[1])
-        return 0.0 < step <= _GAP and math.dist((x, y), led) <= _JUMP
-
-
-class _Lag:
-    """By how much the direction of a receiver's velocity lags, learned where it turns."""
-
-    def __init__(self, delay: float, most: float) -> None:
-        """Begin with the most that it may be; what is seen is learned from after `delay`; both in s."""
-        self._delay, self._most = delay, most
-        self._newest = deque[tuple[float, float, float]]()
-        self._known = self._product = 0.0
-
-    @property
-    def longest(self) -> float:
-        """The most that it may be by what is known, s."""
-        return min(max((self._product + _DOUBT * self._most) / (self._known + _DOUBT), 0.0), self._most)
-
-    def add(self, time: float, aside: float, per_lag: float) -> None:
-        """Take in a distance aside, m, and its derivative by the lag, m/s; it is learned from once it is old.
-
-        A drift would teach a lag before it is seen.
-        """
-        self._newest.append((time, aside, per_lag))
-        while time - self._newest[0][0] >= self._delay:
-            _, before, by = self._newest.popleft()
-            self._known += by**2
-            self._product += before * by
-
-
-@dataclass(frozen=True, slots=True)
-class _Aside:
-    """How far positions are aside of the velocities, over a time."""
-
-    left: float
-    """m"""
-    way: float
-    """m"""
-    ahead: float
-    """m"""
-    per_lag: float
-    """by how much more for each second by which the velocity's direction lags, m/s"""
-
-    def share_of(self, least: float, share: float, lag: float) -> float:
-        """Return it as a share of the most that a lag (s) and other errors, m and of the way, explain."""
-        inside = self.left * self.per_lag > 0.0
-        return self.left / max(least, share * self.way + inside * lag * abs(self.per_lag))
-
-
-class _Window:
-    """The places of the last seconds."""
-
-    def __init__(self, span: float) -> None:
-        """Begin without a place; `span` in s."""
-        self._span = span
-        self._places = deque[_Place]()
-
-    @property
-    def oldest(self) -> _Place | None:
-        """The first place, None where there is none."""
-        return self._places[0] if self._places else None
-
-    @property
-    def newest(self) -> _Place | None:
-        """The last place, None where there is none."""
-        return self._places[-1] if self._places else None
-
-    def clear(self) -> None:
-        """Forget all places."""
-        self._places.clear()
-
-    def add(self, place: _Place) -> None:
-        """Take in a place."""
-        self._places.append(place)
-        while len(self._places) > 1 and place.time - self._places[1].time >= self._span - _SAME:
-            self._places.popleft()
-
-    def aside(self) -> _Aside | None:
-        """Return how far the newest is aside, as seen from the oldest; None where that is not known."""
-        first, last = self._places[0], self._places[-1]
-        east, north = last.way[0] - first.way[0], last.way[1] - first.way[1]
-        way = math.hypot(east, north)
-        if last.time - first.time < self._span - _SAME or way < _LEAST * self._span:
-            return None
-        turned = (last.velocity[0] - first.velocity[0], last.velocity[1] - first.velocity[1])
-        x, y = last.x - first.x, last.y - first.y
-        return _Aside(
-            left=(east * y - north * x) / way,
-            way=way,
-            ahead=(east * x + north * y) / way - way,
-            per_lag=(east * turned[1] - north * turned[0]) / way,
-        )
 
 
 class _Antenna:
     """The last places of one antenna."""
 
     def __init__(self) -> None:
-        self._window, self._long = _Window(_WINDOW), _Window(_LONG)
-        self._lag, self._late_lag = _Lag(_WINDOW, _LAG), _Lag(_LONG, _LATE_LAG)
-        self._lately = deque[tuple[float, float]]()
-        """times, s, and how far aside it was over the longer time, as a share of what is a contradiction"""
-        self._right: _Place | None = None
-        self._before: _Place | None = None
+        self._window, self._long = Window(_WINDOW), Window(_LONG)
+        self._lag, self._late_lag = Lag(_WINDOW, _LAG), Lag(_LONG, _LATE_LAG)
+        self._lately = deque[tuple[float, Aside]]()
+        """times, s, and how far aside it was over the longer time"""
+        self._right: Place | None = None
+        self._before: Place | None = None
         """the last place before a jump that came with the newest epoch"""
         self._jumped = math.nan
 
@@ -192,11 +77,21 @@ class _Antenna:
         return self._window.newest is not None
 
     @property
+    def late_lag(self) -> float:
+        """The most by which the velocity's direction lags, s."""
+        return self._late_lag.longest
+
+    @property
+    def lately(self) -> Aside | None:
+        """How far it was aside over the longer time, on average lately; None where that is not known."""
+        if not self._lately or self._lately[-1][0] - self._lately[0][0] < _LATELY - SAME:
+            return None
+        return mean_of([aside for _, aside in self._lately])
+
+    @property
     def slowly(self) -> float:
-        """How far it was aside over the longer time, to the left, as `add` returns it, on average lately."""
-        if not self._lately or self._lately[-1][0] - self._lately[0][0] < _LATELY - _SAME:
-            return math.nan
-        return fmean(share for _, share in self._lately)
+        """The same to the left, as `add` returns it."""
+        return math.nan if (aside := self.lately) is None else _slow_share(aside, self.late_lag)
 
     def begin_dead_reckoning(self, *, slowly: bool) -> None:
         """Hold to the oldest place, of the longer time where it drifts slowly."""
@@ -226,10 +121,10 @@ class _Antenna:
         elif last is not None:
             self._begin_anew()
             self._jump(last, time, x, y)
-        place = _Place(time, x, y, velocity, self._way(time, velocity))
+        place = Place(time, x, y, velocity, self._way(time, velocity))
         self._window.add(place)
         self._long.add(place)
-        aside = self._window.aside()
+        aside = self._window.aside(self._window.way)
         if aside is None:
             self._lately.clear()
             return math.nan
@@ -242,10 +137,10 @@ class _Antenna:
         self._lately.clear()
         self._right = None
 
-    def _jump(self, last: _Place, time: float, x: float, y: float) -> None:
+    def _jump(self, last: Place, time: float, x: float, y: float) -> None:
         """Take in a place that the last one does not lead to; none that goes back after a single epoch has jumped."""
         goes_back = self._before is not None and self._before.leads_to(time, x, y)
-        jumps = 0.0 < time - last.time <= _GAP and not goes_back
+        jumps = 0.0 < time - last.time <= GAP and not goes_back
         self._before, self._jumped = (last, time) if jumps else (None, math.nan)
 
     def _way(self, time: float, velocity: tuple[float, float]) -> tuple[float, float]:
@@ -257,7 +152,7 @@ class _Antenna:
         east, north = last.way
         return east + half * (last.velocity[0] + velocity[0]), north + half * (last.velocity[1] + velocity[1])
 
-    def _look(self, time: float, aside: _Aside) -> float:
+    def _look(self, time: float, aside: Aside) -> float:
         share = aside.share_of(_ASIDE, _SHARE, self._lag.longest)
         for lag in (self._lag, self._late_lag):
             lag.add(time, aside.left, aside.per_lag)
@@ -265,12 +160,12 @@ class _Antenna:
 
     def _look_long(self, time: float, *, fits: bool) -> None:
         """Look at the longer time, if the speeds fit the way of the shorter one."""
-        aside = self._long.aside()
+        aside = self._long.aside(self._window.way)
         if aside is None or not fits:
             self._lately.clear()
             return
-        self._lately.append((time, aside.share_of(_SLOWLY, _SLOW_SHARE, self._late_lag.longest)))
-        while time - self._lately[0][0] > _LATELY + _SAME:
+        self._lately.append((time, aside))
+        while time - self._lately[0][0] > _LATELY + SAME:
             self._lately.popleft()
 
 
@@ -298,15 +193,38 @@ class PositionDrift:
         """Whether both antennas go aside, or the only one that is known."""
         return self._contradictions >= _CONTRADICTIONS
 
-    def drifts_slowly(self, *, tractor: bool, trailer: bool) -> bool:
-        """Return whether both antennas go aside slowly, or one that the estimate believes: tractor's, trailer's.
+    def drifts_slowly(self, *, tractor: bool, trailer: bool, apart: float = 0.0) -> bool:
+        """Return whether both antennas go aside slowly, or one that the estimate believes.
 
-        Where it does not believe the other, although that goes along with its velocities, less is enough.
+        Where it does not believe the other, although that goes along with its velocities, less is enough; still less
+        where the antennas are apart.
+
+        Args:
+            tractor: it believes the tractor's.
+            trailer: it believes the trailer's.
+            apart: how far the tractor's is to the left of the trailer's, see antennas_apart.py.
         """
-        one, other = abs(self._tractor.slowly), abs(self._trailer.slowly)
-        tractor_strays = tractor and one > (_ALONE if trailer or other > _EACH else 1.0)
-        trailer_strays = trailer and other > (_ALONE if tractor or one > _EACH else 1.0)
-        return tractor_strays or trailer_strays or _agree(self._tractor.slowly, self._trailer.slowly)
+        one, other = self._tractor.slowly, self._trailer.slowly
+        tractor_strays = tractor and abs(one) > (_LONE if trailer or abs(other) > _EACH else 1.0)
+        trailer_strays = trailer and abs(other) > (_LONE if tractor or abs(one) > _EACH else 1.0)
+        apart_strays = abs(apart) > 1.0 and self._strays(math.copysign(1.0, apart), tractor=tractor, trailer=trailer)
+        return tractor_strays or trailer_strays or apart_strays or _agree(one, other)
+
+    def _strays(self, side: float, *, tractor: bool, trailer: bool) -> bool:
+        """Return whether a believed antenna is aside to the side to which it is apart: 1, the tractor's to the left.
+
+        A lag explains it where both may have it, not where one is farther aside than the other.
+        """
+        one, other = self._tractor.lately, self._trailer.lately
+        if one is None or other is None:
+            return False
+        lag = max(self._tractor.late_lag, self._trailer.late_lag)
+        differ = side * _slow_share(one.beyond(other), lag) > 1.0
+        sides = ((tractor, side, self._tractor, one), (trailer, -side, self._trailer, other))
+        return any(
+            believed and own * _slow_share(aside, 0.0) > _APART and (differ or own * antenna.slowly > _APART)
+            for believed, own, antenna, aside in sides
+        )
 
     def begin_dead_reckoning(self) -> None:
         """Hold to where both antennas were a moment before they were seen to drift."""
@@ -325,6 +243,11 @@ class PositionDrift:
         tractor = self._tractor.add(time, *fixed_motion(fixes, "tractor"))
         trailer = self._trailer.add(time, *fixed_motion(fixes, "trailer"))
         self._contradictions = self._contradictions + 1 if _contradict(tractor, trailer) else 0
+
+
+def _slow_share(aside: Aside, lag: float) -> float:
+    """Return how far it is aside over the longer time, as a share of what is a contradiction of both."""
+    return aside.share_of(_SLOWLY, _SLOW_SHARE, lag)
 
 
 def _contradict(tractor: float, trailer: float) -> bool:

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from contextlib import suppress
 
 from drawbar.config import Configuration
+from drawbar.driving.fault_detection.antennas_apart import AntennasApart
 from drawbar.driving.fault_detection.fault_exclusion import FaultExclusion
 from drawbar.driving.fault_detection.notices import Notices
 from drawbar.driving.fault_detection.position_drift import PositionDrift
@@ -61,6 +62,7 @@ class Controller:
         """of the newest estimate"""
         self._exclusion = FaultExclusion(configuration.sanity, configuration.vehicle, configuration.sample_time)
         self._drift, self._swapped = PositionDrift(), SwappedReceivers()
+        self._apart = AntennasApart(configuration.vehicle.masts, configuration.sample_time)
         self._notices = Notices(self._autopilot)
         self._rollback = Rollback(self._autopilot, configuration.sample_time)
         self._gate: GateState | None = None
@@ -189,8 +191,10 @@ class Controller:
     def _drifts(self, record: StepRecord) -> bool:
         """Return whether positions drift: of both antennas, or slowly of one that the estimate follows."""
         tractor, trailer = record.estimate.tractor_fix, record.estimate.trailer_fix
-        return self._drift.exists or self._drift.drifts_slowly(
-            tractor=tractor is not FixStatus.REJECTED, trailer=trailer is not FixStatus.REJECTED
+        return self._drift.exists | self._drift.drifts_slowly(
+            tractor=tractor is not FixStatus.REJECTED,
+            trailer=trailer is not FixStatus.REJECTED,
+            apart=self._apart.update(record),
         )
 
     def _recompute(self, change: Callable[[Measurement], Measurement]) -> None:
