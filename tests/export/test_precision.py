@@ -83,6 +83,7 @@ def test_sines_in_single_precision() -> None:
 #include "lanes.h"
 void sines(const float *x, float *y, int n) { for (int i = 0; i < n; ++i) y[i] = lane_sin(x[i]); }
 void cosines(const float *x, float *y, int n) { for (int i = 0; i < n; ++i) y[i] = lane_cos(x[i]); }
+void angles(const float *x, float *y, int n) { for (int i = 0; i < n; ++i) y[i] = lane_atan(x[i]); }
 """
     files = single({"unit.c": text, "lanes.h": ""})
     library = ctypes.CDLL(str(build_library("lanes_single", files, FLAGS)))
@@ -91,6 +92,10 @@ void cosines(const float *x, float *y, int n) { for (int i = 0; i < n; ++i) y[i]
         y = np.empty_like(x)
         library[name](x.ctypes.data_as(ctypes.c_void_p), y.ctypes.data_as(ctypes.c_void_p), len(x))
         assert np.max(np.abs(y - exact(x.astype(np.float64)))) < 1e-7
+    x = np.tan(np.linspace(-1.57, 1.57, 100_000)).astype(np.float32)
+    library["angles"](x.ctypes.data_as(ctypes.c_void_p), y.ctypes.data_as(ctypes.c_void_p), len(x))
+    exact_angles = np.arctan(x.astype(np.float64))
+    assert np.max(np.abs(y / exact_angles - 1)) < 3e-7
 
 
 class SingleAutopilot:

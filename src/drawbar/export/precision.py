@@ -1,8 +1,8 @@
 """Single precision: an exported library's text with `float` in the place of `double`.
 
-The mathematics stay as they are. What changes besides the type of numbers: the tolerances that rounding sets, sine and
-cosine (lanes_single.h), and which of the C library's functions are called. A time stamp remains a double, as a float
-would lose milliseconds of it within hours.
+The mathematics stay as they are. What changes besides the type of numbers: the tolerances that rounding sets, sine,
+cosine and arctangent (lanes_single.h), and which of the C library's functions are called. A time stamp remains a
+double, as a float would lose milliseconds of it within hours.
 """
 
 import re

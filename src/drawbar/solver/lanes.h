@@ -1,7 +1,9 @@
-/* Lanes: sine, cosine and tangent without branches or library calls, so that a loop over stages becomes SIMD code.
+/* Lanes: sine, cosine, tangent and arctangent without branches or library calls, so that a loop over stages becomes SIMD
+ * code.
  *
  * Argument reduction by pi/2 in three parts (Cody and Waite 1980), then the minimax polynomials of Cephes'
  * sin.c on [-pi/4, pi/4] (S. Moshier, public). Absolute error below 3e-16 for |x| <= 1e5; NaN and infinity give NaN.
+ * The arctangent is that of Cephes' atan.c, with a relative error below 5e-16.
  */
 #ifndef DRAWBAR_LANES_H
 #define DRAWBAR_LANES_H
@@ -60,6 +62,29 @@ LANE double lane_cos(double x)
 LANE double lane_tan(double x)
 {
     return lane_sine(x, 0) / lane_sine(x, 1);
+}
+
+/* atan2(y, x) */
+LANE double lane_atan2(double y, double x)
+{
+    const double high = fabs(y), wide = fabs(x);
+    const int steep = high > wide;
+    const double least = steep ? wide : high, most = steep ? high : wide;
+    const int middle = least > 0.66 * most;       /* of the first eighth of a turn: pi/4 and what is left */
+    const double below = middle ? least + most : most;
+    const double t = (middle ? least - most : least) / (below == 0.0 ? 1.0 : below), z = t * t;
+    const double p = ((((-8.750608600031904122785e-1 * z - 1.615753718733365076637e1) * z - 7.500855792314704667340e1) * z
+                       - 1.228866684490136173410e2) * z - 6.485021904942025371773e1) * z;
+    const double q = ((((z + 2.485846490142306297962e1) * z + 1.650270098316988542046e2) * z + 4.328810604912902668951e2) * z
+                      + 4.853903996359136964868e2) * z + 1.945506571482613964425e2;
+    const double eighth = (middle ? 7.85398163397448309616e-1 : 0.0) + (t * (p / q) + t);
+    const double quarter = steep ? 1.57079632679489661923 - eighth : eighth;
+    return copysign(x < 0.0 ? 3.14159265358979323846 - quarter : quarter, y);
+}
+
+LANE double lane_atan(double x)
+{
+    return lane_atan2(x, 1.0);
 }
 
 /* Write those of four numbers side by side that `which` has a bit for; the others are zeros, and stay what they are. In units

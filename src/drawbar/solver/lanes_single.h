@@ -1,7 +1,8 @@
-/* Lanes in single precision: sine, cosine and tangent of lanes.h; a library that is exported so has this in its place.
+/* Lanes in single precision: sine, cosine, tangent and arctangent of lanes.h; a library that is exported so has this in its place.
  *
  * Argument reduction by pi/2 in three parts (Cody and Waite 1980), then the minimax polynomials of Cephes' sinf.c on
  * [-pi/4, pi/4] (S. Moshier, public). Absolute error below 1e-7 for |x| <= 1e3; NaN and infinity give NaN.
+ * The arctangent is that of Cephes' atanf.c, with a relative error below 3e-7.
  */
 #ifndef DRAWBAR_LANES_H
 #define DRAWBAR_LANES_H
@@ -57,6 +58,26 @@ LANE float lane_cos(float x)
 LANE float lane_tan(float x)
 {
     return lane_sine(x, 0) / lane_sine(x, 1);
+}
+
+/* atan2(y, x) */
+LANE float lane_atan2(float y, float x)
+{
+    const float high = fabsf(y), wide = fabsf(x);
+    const int steep = high > wide;
+    const float least = steep ? wide : high, most = steep ? high : wide;
+    const int middle = least > 0.4142135623730950f * most;   /* of the first eighth of a turn: pi/4 and what is left */
+    const float below = middle ? least + most : most;
+    const float t = (middle ? least - most : least) / (below == 0.0f ? 1.0f : below), z = t * t;
+    const float p = (((8.05374449538e-2f * z - 1.38776856032e-1f) * z + 1.99777106478e-1f) * z - 3.33329491539e-1f) * z;
+    const float eighth = (middle ? 0.7853981633974483f : 0.0f) + (t * p + t);
+    const float quarter = steep ? 1.5707963267948966f - eighth : eighth;
+    return copysignf(x < 0.0f ? 3.14159265358979323846f - quarter : quarter, y);
+}
+
+LANE float lane_atan(float x)
+{
+    return lane_atan2(x, 1.0f);
 }
 
 /* Write those of four numbers side by side that `which` has a bit for; the others are zeros, and stay what they are. */
