@@ -20,7 +20,6 @@
 #include "line_offset.h"
 
 #define PATH_PROJECTIONS 20                /* Newton steps of a projection, at most */
-#define NO_PIECE (-1)
 #define PATH_CONVERGED 1e-6                /* last Newton step, m; what is left after it is of its square */
 
 struct path {
@@ -63,13 +62,13 @@ static inline void path_bend(double *cubic, double mean, double end, double leng
     cubic[3] = bent * (cubic[1] + end - 2.0 * mean) / (length * length);
 }
 
-/* How many nodes lie before an arc length (m), or at it: looked for near a number
- * that was found for another one, if there is one. */
+/* How many nodes lie before an arc length (m), or at it: looked for near a number that was found for another
+ * one. */
 static inline int32_t path_nodes_near(const struct path *path, double arc_length, int32_t near)
 {
     const struct drawbar_path_node *nodes = path->nodes;
 
-    for (int32_t i = near; near != NO_PIECE && i <= near + 1 && i <= path->count; ++i)
+    for (int32_t i = near; i <= near + 1 && i <= path->count; ++i)
         if ((i == 0 || nodes[i - 1].arc_length <= arc_length) && (i == path->count || arc_length < nodes[i].arc_length))
             return i;
     return path_nodes_before(path, arc_length, 1);
@@ -200,10 +199,10 @@ static inline int32_t path_nearest_node(const struct path *path, double x, doubl
 static APART double path_project(const struct path *path, double x, double y, double low, double high, double *error)
 {
     double arc_length = path->nodes[path_nearest_node(path, x, y, low, high)].arc_length;
-    struct path_cubic cubic = {0.0};
-    int32_t last = NO_PIECE;
 
     arc_length = fmin(fmax(arc_length, low), high);
+    int32_t last = path_nodes_before(path, arc_length, 1);
+    struct path_cubic cubic = path_cubic(path, last);
     for (int iteration = 0; iteration < PATH_PROJECTIONS; ++iteration) {
         const int32_t piece = path_nodes_near(path, arc_length, last);
         if (piece != last)
