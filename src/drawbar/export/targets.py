@@ -22,6 +22,8 @@ SMALL = {
     "guidance.c": "-Os",
     "step.c": "-Os",
     "gate.c": "-Os",
+    "tractor_law.c": "-Os",
+    "trailer_law.c": "-Os",
     "sanity.c": "-Os",
     "alignment.c": "-Os",
     "actuate.c": "-Os",

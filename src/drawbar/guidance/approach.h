@@ -7,9 +7,9 @@
 #ifndef DRAWBAR_APPROACH_H
 #define DRAWBAR_APPROACH_H
 
+#include "apart.h"
 #include "onto_line.h"
 #include "signals.h"
-#include "sines.h"
 
 #define APPROACH_NODES 256                 /* longest track, in pieces of up to 0.25 m */
 #define APPROACH_TIGHTER 1.4               /* how much tighter than their limit turns may become beside a curve */
@@ -64,12 +64,9 @@ struct approach_unit {
     double cosine, sine;
 };
 
-static inline struct approach_unit approach_unit(double direction)
+static APART struct approach_unit approach_unit(double direction)
 {
-    struct approach_unit unit;
-
-    sines_of(&direction, 1, &unit.cosine, &unit.sine);
-    return unit;
+    return (struct approach_unit){lane_cos(direction), lane_sin(direction)};
 }
 
 /* The track's largest distance from the line, m. */
