@@ -1,4 +1,4 @@
-"""The SIMD sine, cosine and tangent against the C library's."""
+"""The SIMD sine, cosine, tangent and arctangent against the C library's."""
 
 import numpy as np
 import pytest
@@ -10,10 +10,11 @@ COUNT = 100_000
 UNIT = f"""
 #include "lanes.h"
 #include "fields.h"
-struct batch {{ double x[{COUNT}], sine[{COUNT}], cosine[{COUNT}], tangent[{COUNT}]; }};
+struct batch {{ double x[{COUNT}], y[{COUNT}], sine[{COUNT}], cosine[{COUNT}], tangent[{COUNT}], angle[{COUNT}]; }};
 int64_t drawbar_size = sizeof(struct batch);
 const struct drawbar_field drawbar_fields[] = {{
-    FIELD(batch, x, 0, {COUNT}, 0, 0) FIELD(batch, sine, 0, {COUNT}, 0, 0)
+    FIELD(batch, x, 0, {COUNT}, 0, 0) FIELD(batch, y, 0, {COUNT}, 0, 0)
+    FIELD(batch, angle, 0, {COUNT}, 0, 0) FIELD(batch, sine, 0, {COUNT}, 0, 0)
     FIELD(batch, cosine, 0, {COUNT}, 0, 0) FIELD(batch, tangent, 0, {COUNT}, 0, 0) END_OF_FIELDS
 }};
 int run(struct batch *b)
@@ -22,6 +23,7 @@ int run(struct batch *b)
         b->sine[i] = lane_sin(b->x[i]);
         b->cosine[i] = lane_cos(b->x[i]);
         b->tangent[i] = lane_tan(b->x[i]);
+        b->angle[i] = lane_atan2(b->y[i], b->x[i]);
     }}
     return 0;
 }}
@@ -64,6 +66,28 @@ def test_absolute_error(kind: str, batch: Workspace) -> None:
     assert np.abs(batch.array("cosine") - cosine).max() <= 3e-16
     # d tan = (1 + tan²) dx: near its poles the tangent can only be as good as sine and cosine are
     assert (np.abs(batch.array("tangent") - tangent) / (1 + tangent**2)).max() <= 3e-16
+
+
+def test_relative_error_of_angles(batch: Workspace) -> None:
+    rng = np.random.default_rng(2)
+    lengths, angles = 10.0 ** rng.uniform(-100, 100, COUNT), rng.uniform(-np.pi, np.pi, COUNT)
+    angles[: COUNT // 2] = 10.0 ** rng.uniform(-50, 0, COUNT // 2) * rng.choice([-1, 1], COUNT // 2)
+    batch.array("y")[:] = lengths * np.sin(angles)
+    x = filled(batch, lengths * np.cos(angles))
+    exact = np.arctan2(batch.array("y"), x)
+    assert np.abs(batch.array("angle") / exact - 1).max() <= 5e-16
+
+
+def test_angles_on_the_axes_and_of_what_is_no_number(batch: Workspace) -> None:
+    x, y = np.array([1.0, -1.0, 0.0, 0.0, 0.0, -2.0, 1.0]), np.array([0.0, 0.0, 1.0, -1.0, 0.0, -0.0, -0.0])
+    batch.array("y")[: y.size] = y
+    filled(batch, x)
+    found = batch.array("angle")[: y.size]
+    np.testing.assert_array_equal(found, np.arctan2(y, x))
+    np.testing.assert_array_equal(np.signbit(found), np.signbit(np.arctan2(y, x)))
+    batch.array("y")[:3] = [np.nan, 1.0, np.nan]
+    filled(batch, np.array([1.0, np.nan, np.nan]))
+    assert np.isnan(batch.array("angle")[:3]).all()
 
 
 def test_symmetry_is_exact(batch: Workspace) -> None:

@@ -19,8 +19,10 @@ int UNIT(look)(struct component *component, double yaw, double first, double tur
 {
     const struct drawbar_estimate estimate = {
         .speed = 2.5, .longitudinal_slip = 0.8, .slide_east = 0.02, .slide_north = -0.03, .creep = 0.4};
-    const double from[4] = {0.0, 0.0, yaw, first}, to[4] = {5.0, 1.0, turned, last};
-    component->change = side_slip_change(&estimate, from, to);
+    const double samples[2][4] = {{0.0, 0.0, yaw, first}, {5.0, 1.0, turned, last}};
+    double changes[2], cosines[2], sines[2];
+    side_slip_changes(&estimate, samples, 2, changes, cosines, sines);
+    component->change = changes[1];
     return 0;
 }
 """

@@ -120,7 +120,9 @@ def test_fixes_of_masts_that_sway_pass_and_count_for_less():
         wrong += [result.fixes != (OK, OK) for result in results]
         deviations += [result.measurement.tractor_fix_deviation for result in results[300:]]
     assert np.mean(wrong) <= 0.01
-    kept = math.exp(-STEP / 1.0)  # many fixes with errors that last so long err like as many independent ones of `alike`
+    kept = math.exp(
+        -STEP / 1.0
+    )  # many fixes with errors that last so long err like as many independent ones of `alike`
     alike = 0.06 * math.sqrt((1.0 + kept) / (1.0 - kept))
     assert 1.5 * 0.06 < np.mean(deviations) < alike
 

@@ -84,14 +84,19 @@ def test_sines_in_single_precision() -> None:
 #include "lanes.h"
 void sines(const float *x, float *y, int n) { for (int i = 0; i < n; ++i) y[i] = lane_sin(x[i]); }
 void cosines(const float *x, float *y, int n) { for (int i = 0; i < n; ++i) y[i] = lane_cos(x[i]); }
+void angles(const float *x, float *y, int n) { for (int i = 0; i < n; ++i) y[i] = lane_atan(x[i]); }
 """
-    files = single({"unit.c": text, "lanes.h": runtime_sources()["lanes.h"], "lane_sine.h": ""})
+    files = single({"unit.c": text, "lanes.h": runtime_sources()["lanes.h"], "lane_trigonometry.h": ""})
     library = ctypes.CDLL(str(build_library("single_lanes", files, FLAGS)))
     x = np.random.default_rng(1).uniform(-1e3, 1e3, 100_000).astype(np.float32)
     for name, exact in (("sines", np.sin), ("cosines", np.cos)):
         y = np.empty_like(x)
         library[name](x.ctypes.data_as(ctypes.c_void_p), y.ctypes.data_as(ctypes.c_void_p), len(x))
         assert np.max(np.abs(y - exact(x.astype(np.float64)))) < 1e-7
+    x = np.tan(np.linspace(-1.57, 1.57, 100_000)).astype(np.float32)
+    library["angles"](x.ctypes.data_as(ctypes.c_void_p), y.ctypes.data_as(ctypes.c_void_p), len(x))
+    exact_angles = np.arctan(x.astype(np.float64))
+    assert np.max(np.abs(y / exact_angles - 1)) < 3e-7
 
 
 class SingleAutopilot:

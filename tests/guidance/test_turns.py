@@ -74,7 +74,7 @@ double laid_bend(const struct path *path, double near, double left, double direc
     double sample[4];
 
     path_sample(path, near, sample);
-    return approach_bend(sample, left, direction, bend);
+    return approach_bend(sample, left, approach_unit(direction), bend);
 }
 void sample(const struct approach *approach, const struct path *path, double arc_length, double *sample)
 {

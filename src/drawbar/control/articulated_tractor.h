@@ -38,18 +38,19 @@ static void fill(struct component *component, const struct drawbar_estimate *est
                  const struct drawbar_body_reference *reference, const struct drawbar_neighbour *neighbour)
 {
     struct rti *solver = &component->rti;
+    double changes[N + 1], cosines[N + 1], sines[N + 1];
 
     (void)neighbour;
+    side_slip_changes(estimate, reference->samples, N + 1, changes, cosines, sines);
     weigh_rate(solver, Y_STEERING_RATE, component->calm, estimate->speed);
     for (int k = 0; k <= N; ++k) {
         const double *sample = reference->samples[k];
-        const double change = side_slip_change(estimate, reference->samples[0], sample);
         double *p = solver->p[k];
 
         p[P_LONGITUDINAL_SLIP] = estimate->longitudinal_slip;
         p[P_TRACTOR_SLIP] = estimate->tractor_slip;
-        p[P_STEERING_OFFSET] = estimate->steering_offset + change;
-        p[P_TRACTOR_CRAB] = estimate->tractor_crab + change;
+        p[P_STEERING_OFFSET] = estimate->steering_offset + changes[k];
+        p[P_TRACTOR_CRAB] = estimate->tractor_crab + changes[k];
         p[P_SPEED] = estimate->speed;
         p[P_REFERENCE_X] = sample[AT_X];
         p[P_REFERENCE_Y] = sample[AT_Y];

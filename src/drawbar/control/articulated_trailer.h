@@ -63,12 +63,13 @@ static void follow_plan(struct component *component, const struct drawbar_body_p
 
 /* Let the tractor come back to its targets (m; slopes in rad) beside the line as a critically damped oscillator does: after
  * a distance s its offset is (e + (e' + e / l) s) exp(-s / l), with today's offset e and slope e' against the target. It
- * turns to where the targets lead within l as well. Returns 0 where the line is not finite. */
+ * turns to where the targets lead within l as well. `forward` and `left`: cosines and sines of the line's yaws. Returns 0 where the line is not finite. */
 static int follow_targets(struct component *component, const struct drawbar_estimate *estimate,
-                          const struct drawbar_body_reference *tractor, const double *targets, const double *slopes)
+                          const struct drawbar_body_reference *tractor, const double *targets, const double *slopes,
+                          const double *forward, const double *left)
 {
     const double *closest = tractor->samples[0], crab = estimate->tractor_crab;
-    const double along = cos(closest[AT_YAW]), across = sin(closest[AT_YAW]);
+    const double along = forward[0], across = left[0];
     const double dx = estimate->tractor.x - closest[AT_X], dy = estimate->tractor.y - closest[AT_Y];
     const double ahead = along * dx + across * dy, left_of = along * dy - across * dx;
     const double steep = tan(clipped(wrapped(estimate->tractor.yaw + crab - closest[AT_YAW]), STEEPEST));
@@ -81,12 +82,11 @@ static int follow_targets(struct component *component, const struct drawbar_esti
         const double *sample = tractor->samples[k];
         const double back = (offset + bend * k * step) * share, beside = targets[k] + back;
         const double away = bend * share - back / component->return_length;
-        const double yaw = sample[AT_YAW] + atan(aims + away) - crab - side_slip_change(estimate, closest, sample);
-        const double forward = cos(sample[AT_YAW]), left = sin(sample[AT_YAW]);
+        const double yaw = sample[AT_YAW] + lane_atan(aims + away) - component->rti.p[k][P_TRACTOR_CRAB];
         double *p = component->rti.p[k];
 
-        place_tractor(p, 0.0, sample[AT_X] + ahead * forward - beside * left,
-                      sample[AT_Y] + ahead * left + beside * forward, yaw);
+        place_tractor(p, 0.0, sample[AT_X] + ahead * forward[k] - beside * left[k],
+                      sample[AT_Y] + ahead * left[k] + beside * forward[k], yaw);
         if (k > 0)
             component->rti.p[k - 1][P_TRACTOR_YAW_RATE] = p[P_TRACTOR_YAW_RATE] = (yaw - last) / component->interval;
         last = yaw;
@@ -99,12 +99,12 @@ static int follow_targets(struct component *component, const struct drawbar_esti
 
 /* Let the tractor come back to where its controller wants it beside the line. */
 static int follow_line(struct component *component, const struct drawbar_estimate *estimate,
-                       const struct drawbar_body_reference *tractor)
+                       const struct drawbar_body_reference *tractor, const double *forward, const double *left)
 {
     double targets[N + 1], slopes[N + 1];
 
     shared_targets(&component->shared, estimate, tractor->samples, N + 1, targets, 1, slopes);
-    return follow_targets(component, estimate, tractor, targets, slopes);
+    return follow_targets(component, estimate, tractor, targets, slopes, forward, left);
 }
 
 /* The tractor's smoothed present yaw rate, rad/s; one that is not finite is none to go on from. */
@@ -141,14 +141,18 @@ static void assume_tractor(struct component *component, const struct drawbar_est
 static void fill(struct component *component, const struct drawbar_estimate *estimate,
                  const struct drawbar_body_reference *reference, const struct drawbar_neighbour *neighbour)
 {
+    double front[N + 1] = {0.0}, rear[N + 1], forward[N + 1], left[N + 1], cosines[N + 1], sines[N + 1];
+
+    if (neighbour)
+        side_slip_changes(estimate, neighbour->reference->samples, N + 1, front, forward, left);
+    side_slip_changes(estimate, reference->samples, N + 1, rear, cosines, sines);
     for (int k = 0; k <= N; ++k) {
         const double *sample = reference->samples[k];
         double *p = component->rti.p[k];
 
         p[P_LONGITUDINAL_SLIP] = estimate->longitudinal_slip;
-        p[P_TRACTOR_CRAB] = estimate->tractor_crab + (neighbour
-            ? side_slip_change(estimate, neighbour->reference->samples[0], neighbour->reference->samples[k]) : 0.0);
-        p[P_TRAILER_CRAB] = estimate->trailer_crab + side_slip_change(estimate, reference->samples[0], sample);
+        p[P_TRACTOR_CRAB] = estimate->tractor_crab + front[k];
+        p[P_TRAILER_CRAB] = estimate->trailer_crab + rear[k];
         p[P_SPEED] = estimate->speed;
         p[P_REFERENCE_X] = sample[AT_X];
         p[P_REFERENCE_Y] = sample[AT_Y];
@@ -156,7 +160,7 @@ static void fill(struct component *component, const struct drawbar_estimate *est
     }
     if (component->coupling == PLANNED && neighbour)
         follow_plan(component, neighbour->plan);
-    else if (!(component->coupling == FOLLOWING && neighbour && follow_line(component, estimate, neighbour->reference)))
+    else if (!(component->coupling == FOLLOWING && neighbour && follow_line(component, estimate, neighbour->reference, forward, left)))
         assume_tractor(component, estimate);
 }
 
@@ -175,15 +179,20 @@ static void allow_rates(struct component *component, const struct drawbar_actuat
 
 static void body_plan(struct component *component)
 {
+    double angles[N + 1][3], cosines[3 * (N + 1)], sines[3 * (N + 1)];
+
     for (int k = 0; k <= N; ++k) {
         const double *p = component->rti.p[k], *state = STATE(component->rti.z, k);
         const double psi = p[P_TRACTOR_YAW] - state[X_ARTICULATION];
         double *pose = component->subsystem.poses[k];
 
-        trailer_antenna(&component->chain, p[P_TRACTOR_X], p[P_TRACTOR_Y], p[P_TRACTOR_YAW], psi + state[X_STEERING],
-                        psi, pose);
-        pose[AT_YAW] = psi;
+        pose[AT_X] = p[P_TRACTOR_X];
+        pose[AT_Y] = p[P_TRACTOR_Y];
+        pose[AT_YAW] = angles[k][2] = psi;
+        angles[k][0] = p[P_TRACTOR_YAW];
+        angles[k][1] = psi + state[X_STEERING];
     }
+    trailer_antennas(&component->chain, N + 1, (const double (*)[3])angles, cosines, sines, component->subsystem.poses);
     for (int k = 0; k < N; ++k)
         component->subsystem.steerings[k] = STATE(component->rti.z, k + 1)[X_STEERING];
 }

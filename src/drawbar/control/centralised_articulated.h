@@ -60,18 +60,21 @@ static void vehicle_deviation(struct centralised *both, const double *estimated,
 static void fill(struct component *component, const struct drawbar_estimate *estimate,
                  const struct drawbar_body_reference *tractor, const struct drawbar_body_reference *trailer)
 {
+    double changes[2][N + 1], cosines[N + 1], sines[N + 1];
+
+    side_slip_changes(estimate, tractor->samples, N + 1, changes[0], cosines, sines);
+    side_slip_changes(estimate, trailer->samples, N + 1, changes[1], cosines, sines);
     weigh_rate(&component->rti, Y_TRACTOR_STEERING_RATE, component->calm, estimate->speed);
     for (int k = 0; k <= N; ++k) {
         const double *front = tractor->samples[k], *rear = trailer->samples[k];
-        const double change = side_slip_change(estimate, tractor->samples[0], front);
         double *p = component->rti.p[k];
 
         p[P_LONGITUDINAL_SLIP] = estimate->longitudinal_slip;
         p[P_TRACTOR_SLIP] = estimate->tractor_slip;
-        p[P_STEERING_OFFSET] = estimate->steering_offset + change;
-        p[P_TRAILER_CRAB] = estimate->trailer_crab + side_slip_change(estimate, trailer->samples[0], rear);
+        p[P_STEERING_OFFSET] = estimate->steering_offset + changes[0][k];
+        p[P_TRAILER_CRAB] = estimate->trailer_crab + changes[1][k];
         p[P_SPEED] = estimate->speed;
-        p[P_TRACTOR_CRAB] = estimate->tractor_crab + change;
+        p[P_TRACTOR_CRAB] = estimate->tractor_crab + changes[0][k];
         p[P_TRACTOR_REFERENCE_X] = front[AT_X];
         p[P_TRACTOR_REFERENCE_Y] = front[AT_Y];
         p[P_TRACTOR_REFERENCE_YAW] = front[AT_YAW];
@@ -130,6 +133,7 @@ static void vehicle_hold(const struct component *component, double tractor, doub
 static void vehicle_plan(struct component *component)
 {
     struct centralised *both = &component->centralised;
+    double angles[N + 1][3], cosines[3 * (N + 1)], sines[3 * (N + 1)];
 
     for (int k = 0; k <= N; ++k) {
         const double *x = STATE(component->rti.z, k);
@@ -139,9 +143,12 @@ static void vehicle_plan(struct component *component)
         front[AT_X] = x[X_TRACTOR_X];
         front[AT_Y] = x[X_TRACTOR_Y];
         front[AT_YAW] = theta;
-        trailer_antenna(&component->chain, front[AT_X], front[AT_Y], theta, psi + x[X_TRAILER_STEERING], psi, rear);
-        rear[AT_YAW] = psi;
+        memcpy(rear, front, 2 * sizeof *rear);
+        rear[AT_YAW] = angles[k][2] = psi;
+        angles[k][0] = theta;
+        angles[k][1] = psi + x[X_TRAILER_STEERING];
     }
+    trailer_antennas(&component->chain, N + 1, (const double (*)[3])angles, cosines, sines, both->trailer_poses);
     for (int k = 0; k < N; ++k) {
         both->tractor_steerings[k] = STATE(component->rti.z, k + 1)[X_TRACTOR_STEERING];
         both->trailer_steerings[k] = STATE(component->rti.z, k + 1)[X_TRAILER_STEERING];

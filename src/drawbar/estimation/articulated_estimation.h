@@ -5,7 +5,6 @@
 
 #include <string.h>
 #include "at_rest.h"
-#include "side_slip.h"
 #include "slide.h"
 
 #define FIRST_SLIDE (CONSTANTS - 4)       /* place among the constants: slide_east, slide_north, creep, then the sample time */

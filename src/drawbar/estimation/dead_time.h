@@ -4,7 +4,7 @@
  * The including unit defines MOST_COMMANDS, how many are remembered; FIRST_LAG, where the lags are among the constants;
  * MOTION_STEPS, in how many steps the vehicle moves; STATES, INPUTS, PARAMETERS, OUTPUTS and CONSTANTS, the sizes of the
  * model with its actuators; what its elements are called (U_TRACTOR_TARGET, for one); and its functions take_estimate,
- * motion and give_estimate, generated from that model.
+ * motion, outputs and give_estimate, generated from that model.
  */
 #ifndef DRAWBAR_DEAD_TIME_H
 #define DRAWBAR_DEAD_TIME_H
@@ -54,8 +54,10 @@ static inline int32_t commands_under_way(const struct component *component)
 
 /* States and parameters of the model from an estimate. */
 static void take_estimate(struct component *work, const struct drawbar_estimate *estimate);
-/* States after the duration, in one step, with the inputs held, and the outputs then. */
+/* States after the duration, in one step, with the inputs held. */
 static void motion(struct component *work, int first, int count);
+/* The outputs then. */
+static void outputs(struct component *work, int first, int count);
 /* What of an estimate moves, from states and outputs of the model. */
 static void give_estimate(const struct component *work, struct drawbar_estimate *estimate);
 
@@ -98,6 +100,7 @@ int UNIT(ahead)(struct component *component, const struct drawbar_estimate *now,
             move(component, end - moved, tractor, trailer);
         moved = end;
     }
+    outputs(component, 0, 1);
     give_estimate(component, then);
     return 0;
 }

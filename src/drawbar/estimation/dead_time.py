@@ -156,7 +156,7 @@ def _source(model: Model, lag: int, room: int) -> str:
 
 
 def _motion(model: Model) -> str:
-    """Return the C function that moves x in one step through a duration (s), u held, and makes the outputs y then."""
+    """Return C: `motion` moves x in one step through a duration (s), u held, and `outputs` makes the outputs y."""
     duration = ca.SX.sym("duration")
     scaled = replace(  # in units of the duration every motion takes 1
         model,
@@ -166,13 +166,12 @@ def _motion(model: Model) -> str:
     )
     after = runge_kutta(scaled, 1.0, 1)
     arguments: dict[str, Any] = {"x": model.x, "u": model.u, "p": model.p, "duration": duration}
-    results = {"x": after, "y": ca.substitute(model.output, model.x, after)}
+    results = {"motion": ("x", after), "outputs": ("y", model.output)}
     inputs = [Input(place=f"work->{name}[{{k}}][{{i}}]", rows="1", symbol=symbol) for name, symbol in arguments.items()]
-    return emit(
-        "motion",
-        [*inputs, Input(place="work->constants[{i}]", rows="", symbol=model.c)],
-        [Output(place=f"work->{name}[k]", rows="1", value=value) for name, value in results.items()],
-        "struct component *work",
+    inputs.append(Input(place="work->constants[{i}]", rows="", symbol=model.c))
+    return "".join(
+        emit(function, inputs, [Output(place=f"work->{name}[k]", rows="1", value=value)], "struct component *work")
+        for function, (name, value) in results.items()
     )
 
 

@@ -165,7 +165,7 @@ static inline double bank_offset(const struct lag_bank *bank, const struct lag_g
  * has had: what no dead time and no lag explain. */
 static double bank_unexplained(const struct lag_bank *bank, double measured)
 {
-    const double known = bank->weight > KNOWN_ZERO ? 1.0 : 0.0, weight = known > 0.0 ? bank->weight : 1.0;
+    const double share = bank->weight > KNOWN_ZERO ? 1.0 / bank->weight : 0.0;
     double nearest[LAGS], least = (double)INFINITY;
 
     if (!isfinite(measured))
@@ -174,7 +174,7 @@ static double bank_unexplained(const struct lag_bank *bank, double measured)
         nearest[l] = (double)INFINITY;
     for (int d = 0; d < DEAD_TIMES; ++d)
         for (int l = 0; l < LAGS; ++l) {
-            const double off = fabs(measured - bank->angle[d * LAGS + l] - known * (bank->error[d * LAGS + l] / weight));
+            const double off = fabs(measured - bank->angle[d * LAGS + l] - share * bank->error[d * LAGS + l]);
             nearest[l] = off < nearest[l] ? off : nearest[l];
         }
     for (int l = 0; l < LAGS; ++l)

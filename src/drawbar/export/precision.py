@@ -1,8 +1,8 @@
 """Single precision: an exported library's text with `float` in the place of `double`.
 
-The mathematics stay as they are. What changes besides the type of numbers: the tolerances that rounding sets, sine and
-cosine (lane_sine_single.h), and which of the C library's functions are called. A time stamp remains a double, as a
-float would lose milliseconds of it within hours.
+The mathematics stay as they are. What changes besides the type of numbers: the tolerances that rounding sets, sine,
+cosine and arctangent (lane_trigonometry_single.h), and which of the C library's functions are called. A time stamp
+remains a double, as a float would lose milliseconds of it within hours.
 """
 
 import re
@@ -52,7 +52,7 @@ _DEFINED = re.compile(rf"(?<=^#define )({'|'.join(TOLERANCES)}) (\S+)", re.MULTI
 
 def single(texts: Mapping[str, str]) -> dict[str, str]:
     """Return C sources and headers, by file name, in single precision."""
-    own = {"lane_sine.h": runtime_sources()["lane_sine_single.h"]}
+    own = {"lane_trigonometry.h": runtime_sources()["lane_trigonometry_single.h"]}
     return {name: own[name] if name in own else single_text(text) for name, text in texts.items()}
 
 

@@ -17,8 +17,18 @@ FLAGS = (
     "-g0",
 )
 """The same on all targets. No fused multiply-add, so that targets agree; never -ffast-math."""
-SMALL = {"line.c": "-Os", "sanity.c": "-Os", "alignment.c": "-Os", "actuate.c": "-Os"}
-"""sources whose time does not count, and what is asked for them beside these flags: that they are small"""
+SMALL = {
+    "line.c": "-Os",
+    "guidance.c": "-Os",
+    "step.c": "-Os",
+    "gate.c": "-Os",
+    "tractor_law.c": "-Os",
+    "trailer_law.c": "-Os",
+    "sanity.c": "-Os",
+    "alignment.c": "-Os",
+    "actuate.c": "-Os",
+}
+"""sources whose time hardly counts, and what is asked for them beside these flags: that they are small"""
 _SIZED = "-fstack-size-section"
 _ROLLED = ("-mllvm", "-unroll-allow-partial=false")
 """for a Cortex-M: loops unrolled in part are a quarter more code, for 0.2 % (M4) to 5 % (M7) fewer instructions"""

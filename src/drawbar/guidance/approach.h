@@ -7,6 +7,7 @@
 #ifndef DRAWBAR_APPROACH_H
 #define DRAWBAR_APPROACH_H
 
+#include "apart.h"
 #include "onto_line.h"
 #include "signals.h"
 
@@ -58,6 +59,16 @@ struct approach_limits {
     int32_t places;                        /* left to check, or to trace */
 };
 
+/* A unit vector along a direction, rad. */
+struct approach_unit {
+    double cosine, sine;
+};
+
+static APART struct approach_unit approach_unit(double direction)
+{
+    return (struct approach_unit){lane_cos(direction), lane_sin(direction)};
+}
+
 /* The track's largest distance from the line, m. */
 static inline double approach_widest(const struct approach *approach)
 {
@@ -76,9 +87,10 @@ static inline void approach_lay_node(struct drawbar_path_node *node, const struc
     double sample[4];
 
     path_sample(path, node->x, sample);
-    node->x = sample[AT_X] - left * lane_sin(sample[AT_YAW]);
-    node->y = sample[AT_Y] + left * lane_cos(sample[AT_YAW]);
-    node->yaw = sample[AT_YAW] + atan2(lane_sin(direction), (1.0 - left * sample[AT_CURVATURE]) * lane_cos(direction));
+    const struct approach_unit ahead = approach_unit(sample[AT_YAW]), along = approach_unit(direction);
+    node->x = sample[AT_X] - left * ahead.sine;
+    node->y = sample[AT_Y] + left * ahead.cosine;
+    node->yaw = sample[AT_YAW] + atan2(along.sine, (1.0 - left * sample[AT_CURVATURE]) * along.cosine);
 }
 
 /* Join two laid nodes: continuous yaw, arc length from the chord. Returns 0 where the piece is none, or begins tighter
@@ -88,7 +100,8 @@ static inline int approach_join(struct drawbar_path_node *a, double tightest)
     struct drawbar_path_node *b = a + 1;
 
     b->yaw = nearest_branch(b->yaw, a->yaw);
-    const double half_turn = 0.5 * (b->yaw - a->yaw), arc = half_turn != 0.0 ? half_turn / lane_sin(half_turn) : 1.0;
+    const double half_turn = 0.5 * (b->yaw - a->yaw);
+    const double arc = half_turn != 0.0 ? half_turn / approach_unit(half_turn).sine : 1.0;
     b->arc_length = a->arc_length + arc * hypot(b->x - a->x, b->y - a->y);
     if (!(b->arc_length > a->arc_length))
         return 0;
@@ -144,12 +157,12 @@ static inline void approach_trace(struct approach *approach, const struct beside
                                   most < APPROACH_NODES ? most : APPROACH_NODES);
 }
 
-/* The curvature (1/m) that a curve gets where it is laid beside a path, from its own (1/m) in a direction (rad) beside a
+/* The curvature (1/m) that a curve gets where it is laid beside a path, from its own (1/m) in a direction beside a
  * straight line; the path is sampled where the curve is `left` (m) of it. */
-static inline double approach_bend(const double *sample, double left, double direction, double bend)
+static inline double approach_bend(const double *sample, double left, struct approach_unit direction, double bend)
 {
     const double curvature = sample[AT_CURVATURE], nearer = 1.0 - left * curvature;
-    const double cosine = lane_cos(direction), sine = lane_sin(direction);
+    const double cosine = direction.cosine, sine = direction.sine;
     const double squared = nearer * nearer * cosine * cosine + sine * sine;
 
     return (curvature * cosine + (nearer * bend + curvature * sine * sine * cosine) / squared) / sqrt(squared);
@@ -161,17 +174,18 @@ static inline int approach_turn_fits(const struct onto_line *line, const struct 
 {
     const struct turn_circle *circle = &line->circle;
     const double side = copysign(1.0, angle), bend = side * line->limits.curvature, ramp = 0.5 * side * circle->least;
-    const double cosine = lane_cos(begin[2]), sine = lane_sin(begin[2]);
-    const double x = begin[0] + cosine * circle->ahead - sine * side * circle->left;
-    const double y = begin[1] + sine * circle->ahead + cosine * side * circle->left;
+    const struct approach_unit from = approach_unit(begin[2]);
+    const double x = begin[0] + from.cosine * circle->ahead - from.sine * side * circle->left;
+    const double y = begin[1] + from.sine * circle->ahead + from.cosine * side * circle->left;
     const double first = (begin[2] + ramp) / APPROACH_LOOK, last = (begin[2] + angle - ramp) / APPROACH_LOOK;
     double look = ceil(fmin(first, last)), sample[4];
 
     for (int i = 0; i < APPROACH_LOOKS && fabs(angle) > circle->least && look <= fmax(first, last); ++i) {
-        const double direction = APPROACH_LOOK * look, left = y - lane_cos(direction) / bend;
+        const struct approach_unit direction = approach_unit(APPROACH_LOOK * look);
+        const double left = y - direction.cosine / bend;
         if (most->places-- <= 0)
             return 0;
-        path_sample(path, x + lane_sin(direction) / bend, sample);
+        path_sample(path, x + direction.sine / bend, sample);
         if (!(fabs(left) <= most->widest) || !(fabs(approach_bend(sample, left, direction, bend)) <= most->tightest))
             return 0;
         look += 1.0;
@@ -190,8 +204,9 @@ static inline int approach_promises(const struct onto_line *line, const struct p
         const double chord = turn_chord(&line->limits, &line->circle, angles[i]), middle = now[2] + 0.5 * angles[i];
         if (!approach_turn_fits(line, path, now, angles[i], most))
             return 0;
-        now[0] += chord * lane_cos(middle);
-        now[1] += chord * lane_sin(middle);
+        const struct approach_unit along = approach_unit(middle);
+        now[0] += chord * along.cosine;
+        now[1] += chord * along.sine;
         now[2] += angles[i];
     }
     return 1;

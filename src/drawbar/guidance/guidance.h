@@ -159,12 +159,13 @@ static inline void guidance_to_bodies(struct guidance *guidance, const struct dr
 {
     const double yaws[BODIES] = {estimate->tractor.yaw, estimate->trailer.yaw};
     const double crabs[BODIES] = {estimate->tractor_crab, estimate->trailer_crab};
-    double directions[STAGES + 1], turned[STAGES + 1];
+    double directions[STAGES + 1], turned[STAGES + 1], sines[STAGES + 1];
 
     for (int i = 0; i < BODIES; ++i) {
         if (tracked_is_body(&guidance->tracked[i]))
             continue;
-        tracked_body(&guidance->tracked[i], estimate, yaws[i], crabs[i], STAGES + 1, guidance->samples[i], directions, turned);
+        tracked_body(&guidance->tracked[i], estimate, yaws[i], crabs[i], STAGES + 1, guidance->samples[i], directions, turned,
+                     sines);
         memcpy(references[i]->closest, guidance->samples[i][0], sizeof references[i]->closest);
     }
 }

@@ -46,9 +46,12 @@ int UNIT(reference)(struct component *component, const struct path *path, const 
     (void)work;
     if (status != DRAWBAR_GUIDANCE_FINE)
         return status;
-    for (int i = 0; i < BODIES; ++i)
+    for (int i = 0; i < BODIES; ++i) {
+        double places[STAGES + 1];
         for (int j = 0; j <= STAGES; ++j)
-            path_sample(path, component->look_ahead + component->advance[i] * j + guidance->progress[i], guidance->samples[i][j]);
+            places[j] = component->look_ahead + component->advance[i] * j + guidance->progress[i];
+        path_samples(path, places, STAGES + 1, guidance->samples[i]);
+    }
     guidance_to_branch(guidance, estimate);
     return DRAWBAR_GUIDANCE_FINE;
 }

@@ -12,6 +12,8 @@
 
 #include <math.h>
 #include <stddef.h>
+#include <string.h>
+#include "apart.h"
 #include "drawbar_signals.h"
 #include "geometry.h"
 #include "lanes.h"
@@ -53,26 +55,62 @@ static inline int32_t path_nodes_before(const struct path *path, double arc_leng
     return low;
 }
 
-/* The second and third coefficient of one coordinate, from its mean slope and its slopes at both ends. */
-static inline void path_bend(double *cubic, double mean, double end, double length)
+/* The second and third coefficient of one coordinate, from its mean slope and its slopes at both ends; bent: 0, they are none. */
+static inline void path_bend(double *cubic, double mean, double end, double length, double bent)
 {
-    cubic[2] = (3.0 * mean - 2.0 * cubic[1] - end) / length;
-    cubic[3] = (cubic[1] + end - 2.0 * mean) / (length * length);
+    cubic[2] = bent * (3.0 * mean - 2.0 * cubic[1] - end) / length;
+    cubic[3] = bent * (cubic[1] + end - 2.0 * mean) / (length * length);
 }
 
-/* The piece in front of the node `piece`; the first and the last one, 0 and count, are the straight continuations. */
-static inline struct path_cubic path_cubic(const struct path *path, int32_t piece)
+/* How many nodes lie before an arc length (m), or at it: looked for near a number that was found for another
+ * one. */
+static inline int32_t path_nodes_near(const struct path *path, double arc_length, int32_t near)
 {
-    const struct drawbar_path_node *a = &path->nodes[piece > 0 ? piece - 1 : 0], *b = a + 1;
-    struct path_cubic cubic
-        = {a->arc_length, a->yaw, {a->x, lane_cos(a->yaw), 0.0, 0.0}, {a->y, lane_sin(a->yaw), 0.0, 0.0}};
+    const struct drawbar_path_node *nodes = path->nodes;
+
+    for (int32_t i = near; i <= near + 1 && i <= path->count; ++i)
+        if ((i == 0 || nodes[i - 1].arc_length <= arc_length) && (i == path->count || arc_length < nodes[i].arc_length))
+            return i;
+    return path_nodes_before(path, arc_length, 1);
+}
+
+/* Both ends of a piece, between two nodes or, for a straight one, from one node on. */
+struct path_piece {
+    struct drawbar_path_node from, to;
+    double bent;                           /* 0 where it is straight, else 1 */
+};
+
+/* The piece in front of the node `piece`; the first and the last one, 0 and count, are the straight continuations. */
+static inline struct path_piece path_piece(const struct path *path, int32_t piece)
+{
+    const struct drawbar_path_node *from = &path->nodes[piece > 0 ? piece - 1 : 0];
+    struct path_piece ends = {*from, *from, 0.0};
 
     if (piece > 0 && piece < path->count) {
-        const double length = b->arc_length - a->arc_length;
-        path_bend(cubic.x, (b->x - a->x) / length, lane_cos(b->yaw), length);
-        path_bend(cubic.y, (b->y - a->y) / length, lane_sin(b->yaw), length);
+        ends.to = from[1];
+        ends.bent = 1.0;
+    } else {
+        ends.to.arc_length += 1.0;
     }
+    return ends;
+}
+
+static inline struct path_cubic path_cubic_of(const struct path_piece *piece)
+{
+    const struct drawbar_path_node *a = &piece->from, *b = &piece->to;
+    const double length = b->arc_length - a->arc_length;
+    struct path_cubic cubic = {a->arc_length, a->yaw, {a->x, lane_cos(a->yaw)}, {a->y, lane_sin(a->yaw)}};
+
+    path_bend(cubic.x, (b->x - a->x) / length, lane_cos(b->yaw), length, piece->bent);
+    path_bend(cubic.y, (b->y - a->y) / length, lane_sin(b->yaw), length, piece->bent);
     return cubic;
+}
+
+static APART struct path_cubic path_cubic(const struct path *path, int32_t piece)
+{
+    const struct path_piece ends = path_piece(path, piece);
+
+    return path_cubic_of(&ends);
 }
 
 /* x, y (m), continuous yaw (rad) and curvature (1/m) of a piece at an arc length, m. */
@@ -87,24 +125,53 @@ static inline void path_cubic_sample(const struct path_cubic *cubic, double arc_
 
     sample[AT_X] = x[0] + distance * (x[1] + inner_x);
     sample[AT_Y] = y[0] + distance * (y[1] + inner_y);
-    sample[AT_YAW] = cubic->yaw + atan2(tangent_y * x[1] - tangent_x * y[1], tangent_x * x[1] + tangent_y * y[1]);
+    sample[AT_YAW] = cubic->yaw + lane_atan2(tangent_y * x[1] - tangent_x * y[1], tangent_x * x[1] + tangent_y * y[1]);
     sample[AT_CURVATURE] = 2.0 * (tangent_x * bend_y - tangent_y * bend_x);
 }
 
-/* x, y (m), continuous yaw (rad) and curvature (1/m) of the path at count arc lengths, m. */
-static inline void path_samples(const struct path *path, const double *arc_lengths, int64_t count, double (*samples)[4])
+/* x, y (m), continuous yaw (rad) and curvature (1/m) of the path at an arc length, m. */
+static APART void path_sample(const struct path *path, double arc_length, double sample[4])
 {
-    for (int64_t i = 0; i < count; ++i) {
-        const struct path_cubic cubic = path_cubic(path, path_nodes_before(path, arc_lengths[i], 1));
-        path_cubic_sample(&cubic, arc_lengths[i], samples[i]);
-        if (!offset_is_none(path->offset))
-            offset_apply(path->offset, arc_lengths[i], samples[i]);
-    }
+    const struct path_cubic cubic = path_cubic(path, path_nodes_before(path, arc_length, 1));
+
+    path_cubic_sample(&cubic, arc_length, sample);
+    if (!offset_is_none(path->offset))
+        offset_apply(path->offset, arc_length, sample);
 }
 
-static inline void path_sample(const struct path *path, double arc_length, double sample[4])
+/* The same at count arc lengths in SIMD lanes; those that follow each other are best near each other. */
+static inline void path_samples(const struct path *path, const double *arc_lengths, int64_t count, double (*samples)[4])
 {
-    path_samples(path, &arc_length, 1, (double (*)[4])sample);
+    int32_t before = 0;
+
+    for (int64_t base = 0; base < count; base += LANES) {
+        double in[9][LANES], out[4][LANES], at[LANES];
+        const int lanes = count - base < LANES ? (int)(count - base) : LANES;
+        for (int lane = 0; lane < LANES; ++lane) {
+            at[lane] = arc_lengths[base + (lane < lanes ? lane : lanes - 1)];
+            before = path_nodes_near(path, at[lane], before);
+            const struct path_piece piece = path_piece(path, before);
+            double numbers[9];
+            memcpy(numbers, &piece, sizeof numbers);
+            for (int i = 0; i < 9; ++i)
+                in[i][lane] = numbers[i];
+        }
+        for (int lane = 0; lane < LANES; ++lane) {
+            const struct path_piece piece = {{in[0][lane], in[1][lane], in[2][lane], in[3][lane]},
+                                             {in[4][lane], in[5][lane], in[6][lane], in[7][lane]}, in[8][lane]};
+            const struct path_cubic cubic = path_cubic_of(&piece);
+            double sample[4];
+            path_cubic_sample(&cubic, at[lane], sample);
+            for (int i = 0; i < 4; ++i)
+                out[i][lane] = sample[i];
+        }
+        for (int lane = 0; lane < lanes; ++lane) {
+            for (int i = 0; i < 4; ++i)
+                samples[base + lane][i] = out[i][lane];
+            if (!offset_is_none(path->offset))
+                offset_apply(path->offset, at[lane], samples[base + lane]);
+        }
+    }
 }
 
 /* The node next to the point (m) among those between two arc lengths, m, and the nearest one beyond either. */
@@ -129,13 +196,18 @@ static inline int32_t path_nearest_node(const struct path *path, double x, doubl
 /* The arc length (m) between low and high of the point of the path closest to (x, y), and the lateral error (m),
  * positive where (x, y) is left of the path. The nearest node starts a Newton iteration on the distance along the
  * tangent. */
-static inline double path_project(const struct path *path, double x, double y, double low, double high, double *error)
+static APART double path_project(const struct path *path, double x, double y, double low, double high, double *error)
 {
     double arc_length = path->nodes[path_nearest_node(path, x, y, low, high)].arc_length;
 
     arc_length = fmin(fmax(arc_length, low), high);
+    int32_t last = path_nodes_before(path, arc_length, 1);
+    struct path_cubic cubic = path_cubic(path, last);
     for (int iteration = 0; iteration < PATH_PROJECTIONS; ++iteration) {
-        const struct path_cubic cubic = path_cubic(path, path_nodes_before(path, arc_length, 1));
+        const int32_t piece = path_nodes_near(path, arc_length, last);
+        if (piece != last)
+            cubic = path_cubic(path, piece);
+        last = piece;
         const double d = arc_length - cubic.anchor, *c = cubic.x, *s = cubic.y;
         const double east = x - c[0] - d * (c[1] + d * (c[2] + d * c[3]));
         const double north = y - s[0] - d * (s[1] + d * (s[2] + d * s[3]));
@@ -162,12 +234,12 @@ static inline double path_project(const struct path *path, double x, double y, d
 /* The arc length (m) at which the line that is followed has gone on by a distance (m) from another. */
 static inline double path_ahead(const struct path *path, double arc_length, double distance)
 {
+    const struct path itself = {path->nodes, path->count, NULL};
     double at[3], sample[4];
 
     if (offset_is_none(path->offset))
         return arc_length + distance;
-    const struct path_cubic cubic = path_cubic(path, path_nodes_before(path, arc_length, 1));
-    path_cubic_sample(&cubic, arc_length, sample);
+    path_sample(&itself, arc_length, sample);
     offset_at(path->offset, arc_length, at);
     return arc_length + distance / offset_stretch(at, sample[AT_CURVATURE]);
 }

@@ -6,6 +6,7 @@
 #ifndef DRAWBAR_PREVIEW_H
 #define DRAWBAR_PREVIEW_H
 
+#include "apart.h"
 #include "approach.h"
 #include "guidance.h"
 #include "unit.h"
@@ -104,22 +105,35 @@ static int preview_turn(struct component *component, const struct path *path, co
     return approach_find(&component->approach, path, &beside, &component->limits, component->room, line);
 }
 
-/* Sample what a body follows at every stage, at a speed over ground, m/s. What is tracked to the left of a body continues
- * slower in a curve to the left, and faster in one to the right. */
-static void preview_samples(struct component *component, const struct path *path, int body, double speed)
+/* Sample what a body follows at every stage, so far (m) from one to the next, where that is not the path itself, or beside it.
+ * What is tracked to the left of a body continues slower in a curve to the left, and faster in one to the right. */
+static void preview_samples_beside(struct component *component, const struct path *path, int body, double step)
 {
     double (*samples)[4] = component->guidance.samples[body], place = component->furthest[body];
     const double left = component->guidance.tracked[body].arm[1];
-    const int beside = left != 0.0 || !offset_is_none(path->offset);
 
     for (int j = 0; j <= STAGES; ++j) {
-        const double distance = speed * (component->interval * j);
         if (body == TRACTOR && component->approach.count > 0)
-            approach_sample(&component->approach, path, component->approached + distance, samples[j]);
+            approach_sample(&component->approach, path, component->approached + step * j, samples[j]);
         else
-            path_sample(path, beside ? place : component->furthest[body] + distance, samples[j]);
-        place = path_ahead(path, place, speed * component->interval / fmax(1.0 + left * samples[j][AT_CURVATURE], 0.2));
+            path_sample(path, place, samples[j]);
+        place = path_ahead(path, place, step / fmax(1.0 + left * samples[j][AT_CURVATURE], 0.2));
     }
+}
+
+/* The same on any line, at a speed over ground, m/s. */
+static APART void preview_samples(struct component *component, const struct path *path, int body, double speed)
+{
+    double places[STAGES + 1];
+
+    if ((body == TRACTOR && component->approach.count > 0) || component->guidance.tracked[body].arm[1] != 0.0
+        || !offset_is_none(path->offset)) {
+        preview_samples_beside(component, path, body, speed * component->interval);
+        return;
+    }
+    for (int j = 0; j <= STAGES; ++j)
+        places[j] = component->furthest[body] + speed * (component->interval * j);
+    path_samples(path, places, STAGES + 1, component->guidance.samples[body]);
 }
 
 /* What both controllers shall follow now; returns an enum drawbar_guidance. */

@@ -87,16 +87,16 @@ static inline double tracked_axle(double ahead, double left, double curvature, d
     return ahead != 0.0 ? slope / (ahead + left * slope) : curvature / (1.0 + left * curvature);
 }
 
-/* Let the samples of what a tracked point follows (count of them) be those of the body's own point. */
+/* Let the samples of what a tracked point follows (count of them) be those of the body's own point; the last three have room for
+ * a number of each. */
 static inline void tracked_body(const struct tracked *tracked, const struct drawbar_estimate *estimate, double yaw,
-                                double crab, int count, double (*samples)[4], double *directions, double *yaws)
+                                double crab, int count, double (*samples)[4], double *directions, double *yaws, double *sines)
 {
     const double ahead = tracked->arm[0] + tracked->axle;
-    double first[4];
 
-    memcpy(first, samples[0], sizeof first);
+    side_slip_changes(estimate, (const double (*)[4])samples, count, directions, yaws, sines);
     for (int k = 0; k < count; ++k)
-        directions[k] = samples[k][AT_YAW] - crab - side_slip_change(estimate, first, samples[k]);
+        directions[k] = samples[k][AT_YAW] - crab - directions[k];
     tracked_yaws(ahead, yaw, directions, (const double (*)[4])samples, count, yaws);
     for (int k = 0; k < count; ++k) {
         double *sample = samples[k];

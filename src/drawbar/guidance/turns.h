@@ -73,7 +73,7 @@ static inline struct turn_circle turn_circle(const struct turn_limits *limits)
 }
 
 /* The distance between the ends of a turn by an angle (rad), m; negative: backwards. */
-static inline double turn_chord(const struct turn_limits *limits, const struct turn_circle *circle, double angle)
+static APART double turn_chord(const struct turn_limits *limits, const struct turn_circle *circle, double angle)
 {
     const double size = fabs(angle), ramp = sqrt(size / limits->rate);
 

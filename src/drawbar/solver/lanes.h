@@ -1,11 +1,11 @@
-/* Lanes: sine, cosine and tangent without branches or library calls, so that a loop over stages becomes SIMD code. */
+/* Lanes: sine, cosine, tangent and arctangent without branches or library calls, so that a loop over stages becomes SIMD code. */
 #ifndef DRAWBAR_LANES_H
 #define DRAWBAR_LANES_H
 
 #include <math.h>
 #include <stdint.h>
 #include "lane_loops.h"
-#include "lane_sine.h"
+#include "lane_trigonometry.h"
 
 LANE double lane_sin(double x)
 {
@@ -20,6 +20,11 @@ LANE double lane_cos(double x)
 LANE double lane_tan(double x)
 {
     return lane_sine(x, 0) / lane_sine(x, 1);
+}
+
+LANE double lane_atan(double x)
+{
+    return lane_atan2(x, 1.0);
 }
 
 /* Write those of four numbers side by side that `which` has a bit for; the others are zeros, and stay what they are. In units

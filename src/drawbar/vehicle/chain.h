@@ -4,6 +4,7 @@
 
 #include "geometry.h"
 #include "signals.h"
+#include "sines.h"
 
 struct chain {
     double wheelbase;                      /* L_t, m */
@@ -30,6 +31,19 @@ static inline void trailer_antenna(const struct chain *chain, double x, double y
 {
     antenna[0] = x - chain->hitch * cos(theta) - chain->drawbar * cos(phi) - chain->back * cos(psi);
     antenna[1] = y - chain->hitch * sin(theta) - chain->drawbar * sin(phi) - chain->back * sin(psi);
+}
+
+/* The same for so many: the poses, of the rear axle first, become those of the antenna. The cosines and sines become
+ * those of the angles. */
+static inline void trailer_antennas(const struct chain *chain, int count, const double (*angles)[3], double *cosines,
+                                    double *sines, double (*poses)[3])
+{
+    sines_of(angles[0], 3 * count, cosines, sines);
+    AS_IT_STANDS for (int k = 0; k < count; ++k) {
+        const double *c = cosines + 3 * k, *s = sines + 3 * k;
+        poses[k][AT_X] -= chain->hitch * c[0] + chain->drawbar * c[1] + chain->back * c[2];
+        poses[k][AT_Y] -= chain->hitch * s[0] + chain->drawbar * s[1] + chain->back * s[2];
+    }
 }
 
 #endif

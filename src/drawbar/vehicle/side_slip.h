@@ -6,25 +6,25 @@
 #include <math.h>
 #include "geometry.h"
 #include "signals.h"
+#include "sines.h"
 
-/* The side-slip angle (left positive, rad) that slope and curve give an axle with this yaw (rad) on this curvature (1/m), at
- * the estimated speed. */
-static inline double side_slip(const struct drawbar_estimate *estimate, double yaw, double curvature)
+/* By how much the side-slip angles (left positive, rad) that slope and curve give an axle at the estimated speed change along a
+ * path from its first sample (x, y, yaw, curvature) to each of `count`; not at all where the path is no path, so that what was
+ * planned before stays finite. The cosines and sines are those of the yaws. */
+static inline void side_slip_changes(const struct drawbar_estimate *estimate, const double (*samples)[4], int count,
+                                     double *changes, double *cosines, double *sines)
 {
-    const double speed = estimate->longitudinal_slip * estimate->speed;
+    const double speed = estimate->longitudinal_slip * estimate->speed, bend = estimate->creep * speed * speed / GRAVITY;
+    double first = 0.0;
 
-    return estimate->slide_north * cos(yaw) - estimate->slide_east * sin(yaw)
-        - estimate->creep * speed * speed * curvature / GRAVITY;
-}
-
-/* By how much side-slip angles (rad) change along a path from its first sample to another (x, y, yaw, curvature); not at all
- * where the path is no path, so that what was planned before stays finite. */
-static inline double side_slip_change(const struct drawbar_estimate *estimate, const double *first, const double *other)
-{
-    const double change = side_slip(estimate, other[AT_YAW], other[AT_CURVATURE])
-        - side_slip(estimate, first[AT_YAW], first[AT_CURVATURE]);
-
-    return isfinite(change) ? change : 0.0;
+    AS_IT_STANDS for (int k = 0; k < count; ++k)
+        changes[k] = samples[k][AT_YAW];
+    sines_of(changes, count, cosines, sines);
+    AS_IT_STANDS for (int k = 0; k < count; ++k) {
+        const double slip = estimate->slide_north * cosines[k] - estimate->slide_east * sines[k] - bend * samples[k][AT_CURVATURE];
+        first = k > 0 ? first : slip;
+        changes[k] = isfinite(slip - first) ? slip - first : 0.0;
+    }
 }
 
 #endif
