@@ -142,7 +142,7 @@ static inline double screening_white(const struct screening *s)
     return fmax(noise_deviation(&s->noise), s->deviation);
 }
 
-/* What masts add to its variance, m2; antennas that the model does not tie together (single_growth) show none. */
+/* What the sway of masts adds to its variance, m2; antennas that the model does not tie together (single_growth) show none. */
 static inline double screening_sway(const struct screening *s)
 {
     return s->single_growth > 0.0 ? 0.0 : sway_variance(&s->suspicion, screening_white(s));
@@ -150,11 +150,12 @@ static inline double screening_sway(const struct screening *s)
 
 /* Find which fixes lie outside their gates, and who is suspect.
  *
- * told: deviation of each fix, m, NaN: the usual one; both: both have a fix that can vouch for the other. */
+ * told: deviation of each fix, m, NaN: the usual one; both: both have a fix that can vouch for the other; sway: what masts
+ * add to the variance of a fix, m2. */
 static inline void screening_gate(struct screening *s, double time, const double *fixes, const double *expected,
-                                  const double *told, int both, int *outside)
+                                  const double *told, int both, double sway, int *outside)
 {
-    const double white = screening_white(s), deviation = sqrt(white * white + screening_sway(s));
+    const double white = screening_white(s), deviation = sqrt(white * white + sway);
     const double sped = s->late * s->manoeuvre.change.speed;
     double offsets[4], rooms[2], across[2];
 
@@ -244,15 +245,14 @@ static inline void screening_accept(struct screening *s, const struct drawbar_me
         }
 }
 
-/* Let both fixes count for as little as the sway of their masts leaves them. */
-static inline void screening_weigh(const struct screening *s, struct screened *screened)
+/* Let both fixes count for as little as this sway of their masts leaves them, a variance in m2. */
+static inline void screening_weigh(const struct screening *s, double sway, struct drawbar_measurement *believed)
 {
-    double *told[] = {&screened->measurement.tractor_fix_deviation, &screened->measurement.trailer_fix_deviation};
-    const double variance = screening_sway(s);
+    double *told[] = {&believed->tractor_fix_deviation, &believed->trailer_fix_deviation};
 
-    for (int i = 0; i < 2 && variance > 0.0; ++i) {
+    for (int i = 0; i < 2 && sway > 0.0; ++i) {
         const double white = isnan(*told[i]) ? s->deviation : *told[i];
-        *told[i] = sqrt(white * white + variance);
+        *told[i] = sqrt(white * white + sway);
     }
 }
 
@@ -269,13 +269,13 @@ static inline void screening_judge(struct screening *s, const struct drawbar_mea
                             measurement->trailer_y};
     const double told[] = {measurement->tractor_fix_deviation, measurement->trailer_fix_deviation};
     const int fine = !(fmax(told[0], told[1]) > COARSE * s->deviation);
-    const double error = antenna_length_error(fixes, expected);
+    const double error = antenna_length_error(fixes, expected), sway = screening_sway(s);
     const int32_t before = s->suspicion.suspect;
     int outside[2];
 
     manoeuvre_update(&s->manoeuvre, &motion, s->settling);
     const int both = screening_receive(s, fixes, expected, screened->fixes) && fine;
-    screening_gate(s, measurement->time, fixes, expected, told, both, outside);
+    screening_gate(s, measurement->time, fixes, expected, told, both, sway, outside);
     const int rejected = screening_reject(s, outside, screened->fixes);
     const int agreeing = both && screening_plausible(s, measurement->time, fixes, expected, error);
     screened->restart = trust_overruled(&s->trust, measurement->time, agreeing, rejected, s->patience);
@@ -287,7 +287,7 @@ static inline void screening_judge(struct screening *s, const struct drawbar_mea
         screening_learn(s, error);
     }
     screening_accept(s, measurement, screened);
-    screening_weigh(s, screened);
+    screening_weigh(s, sway, &screened->measurement);
 }
 
 /* Move both fixes along the line through the antennas by half of what their distance is wrong on average: nothing of the chain
