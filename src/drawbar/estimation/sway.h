@@ -10,7 +10,7 @@
 #include <math.h>
 #include "suspicion.h"
 
-#define SWAY_WHITE 0.6                     /* of a fix's deviation that averaged disagreement has without sway, with a margin */
+#define SWAY_WHITE 0.75                    /* of a fix's deviation that averaged disagreement has without sway, with a margin */
 #define SWAY_WEIGHT 4.0                    /* variance per mean square of the disagreement: one antenna has half of it, and errors
                                             * whose correlation from sample to sample is r count (1 + r) / (1 - r) fold: r = 0.78 */
 #define SWAY_BEFORE 25.0                   /* samples without sway that are taken to have been before the first */
