@@ -10,17 +10,20 @@
 #include <math.h>
 #include "suspicion.h"
 
-#define SWAY_WHITE 0.75                    /* of a fix's deviation that averaged disagreement has without sway, with a margin */
+#define SWAY_WHITE 0.45                    /* of a fix's deviation that averaged disagreement has by white noise */
+#define SWAY_MOST_WHITE 0.6               /* the same with a margin, as it is known from USUAL_MEMORY samples */
+#define SWAY_BEFORE 25.0                   /* samples of white noise that are taken to have been before the first */
 #define SWAY_WEIGHT 4.0                    /* variance per mean square of the disagreement: one antenna has half of it, and errors
                                             * whose correlation from sample to sample is r count (1 + r) / (1 - r) fold: r = 0.78 */
-#define SWAY_BEFORE 25.0                   /* samples without sway that are taken to have been before the first */
 
 /* The variance that a fix has by sway, m2; deviation: its white one, m. */
 static inline double sway_variance(const struct suspicion *suspicion, double deviation)
 {
-    const double white = SWAY_WHITE * deviation, beyond = suspicion->usual[1] - white * white;
+    const double white = SWAY_WHITE * deviation, most = SWAY_MOST_WHITE * deviation;
+    const double usual = (SWAY_BEFORE * white * white + suspicion->learned * suspicion->usual[1])
+        / (SWAY_BEFORE + suspicion->learned);
 
-    return SWAY_WEIGHT * suspicion->learned / (SWAY_BEFORE + suspicion->learned) * fmax(beyond, 0.0);
+    return SWAY_WEIGHT * fmax(usual - most * most, 0.0);
 }
 
 #endif
