@@ -11,7 +11,7 @@
 #include "suspicion.h"
 
 #define SWAY_WHITE 0.45                    /* of a fix's deviation that averaged disagreement has by white noise */
-#define SWAY_MOST_WHITE 0.6               /* the same with a margin, as it is known from USUAL_MEMORY samples */
+#define SWAY_MOST_WHITE 0.6                /* the same with a margin: it is known from USUAL_MEMORY samples */
 #define SWAY_BEFORE 25.0                   /* samples of white noise that are taken to have been before the first */
 #define SWAY_WEIGHT 4.0                    /* variance per mean square of the disagreement: one antenna has half of it, and errors
                                             * whose correlation from sample to sample is r count (1 + r) / (1 - r) fold: r = 0.78 */
