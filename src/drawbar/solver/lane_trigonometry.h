@@ -1,4 +1,4 @@
-/* Sine and arctangent of a lane, without branches or library calls.
+/* Lane trigonometry: sine and arctangent of a lane, without branches or library calls.
  *
  * Argument reduction by pi/2 in three parts (Cody and Waite 1980), then the minimax polynomials of Cephes'
  * sin.c on [-pi/4, pi/4] (S. Moshier, public). Absolute error below 3e-16 for |x| <= 1e5; NaN and infinity give NaN.

@@ -1,5 +1,4 @@
-/* Sine and arctangent of a lane in single precision; a library that is exported so has this in the place of
- * lane_trigonometry.h.
+/* Lane trigonometry in single precision; a library that is exported so has this in the place of lane_trigonometry.h.
  *
  * Argument reduction by pi/2 in three parts (Cody and Waite 1980), then the minimax polynomials of Cephes' sinf.c on
  * [-pi/4, pi/4] (S. Moshier, public). Absolute error below 1e-7 for |x| <= 1e3; NaN and infinity give NaN.
