@@ -142,20 +142,13 @@ static inline double screening_white(const struct screening *s)
     return fmax(noise_deviation(&s->noise), s->deviation);
 }
 
-/* What the sway of masts adds to its variance, m2; antennas that the model does not tie together (single_growth) show none. */
-static inline double screening_sway(const struct screening *s)
-{
-    return s->single_growth > 0.0 ? 0.0 : sway_variance(&s->suspicion, screening_white(s));
-}
-
 /* Find which fixes lie outside their gates, and who is suspect.
  *
- * told: deviation of each fix, m, NaN: the usual one; both: both have a fix that can vouch for the other; sway: what masts
- * add to the variance of a fix, m2. */
+ * told: deviation of each fix, m, NaN: the usual one; both: both have a fix that can vouch for the other; deviation:
+ * of one coordinate of a usual fix, with sway, m. */
 static inline void screening_gate(struct screening *s, double time, const double *fixes, const double *expected,
-                                  const double *told, int both, double sway, int *outside)
+                                  const double *told, int both, double deviation, int *outside)
 {
-    const double white = screening_white(s), deviation = sqrt(white * white + sway);
     const double sped = s->late * s->manoeuvre.change.speed;
     double offsets[4], rooms[2], across[2];
 
@@ -269,13 +262,14 @@ static inline void screening_judge(struct screening *s, const struct drawbar_mea
                             measurement->trailer_y};
     const double told[] = {measurement->tractor_fix_deviation, measurement->trailer_fix_deviation};
     const int fine = !(fmax(told[0], told[1]) > COARSE * s->deviation);
-    const double error = antenna_length_error(fixes, expected), sway = screening_sway(s);
+    const double error = antenna_length_error(fixes, expected), white = screening_white(s);
+    const double sway = s->single_growth > 0.0 ? 0.0 : sway_variance(&s->suspicion, white); /* untied antennas show none */
     const int32_t before = s->suspicion.suspect;
     int outside[2];
 
     manoeuvre_update(&s->manoeuvre, &motion, s->settling);
     const int both = screening_receive(s, fixes, expected, screened->fixes) && fine;
-    screening_gate(s, measurement->time, fixes, expected, told, both, sway, outside);
+    screening_gate(s, measurement->time, fixes, expected, told, both, sqrt(white * white + sway), outside);
     const int rejected = screening_reject(s, outside, screened->fixes);
     const int agreeing = both && screening_plausible(s, measurement->time, fixes, expected, error);
     screened->restart = trust_overruled(&s->trust, measurement->time, agreeing, rejected, s->patience);

@@ -22,6 +22,7 @@ SMALL = {
     "guidance.c": "-Os",
     "step.c": "-Os",
     "gate.c": "-Os",
+    "supervisor.c": "-Os",
     "tractor_law.c": "-Os",
     "trailer_law.c": "-Os",
     "sanity.c": "-Os",

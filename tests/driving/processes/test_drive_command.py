@@ -119,7 +119,7 @@ def test_a_terminal_that_is_closed_ends_a_drive_in_order(terminal, tmp_path):
 def test_a_recorder_that_is_killed_costs_the_record_only_and_that_is_told(terminal, tmp_path):
     terminal.await_words("ACTIVE: steering")
     os.kill(terminal.child("recorder_main"), signal.SIGKILL)
-    terminal.await_words("the recorder has ended: nothing is recorded any more")
+    terminal.await_words("the recorder has ended: nothing more is recorded")
     terminal.shown = ""
     terminal.await_words("- nothing is recorded: the disk is full, or the recorder has ended")
     assert "ACTIVE: steering" in terminal.shown
