@@ -23,6 +23,7 @@ SMALL = {
     "step.c": "-Os",
     "gate.c": "-Os",
     "supervisor.c": "-Os",
+    "predictor.c": "-Os",
     "tractor_law.c": "-Os",
     "trailer_law.c": "-Os",
     "sanity.c": "-Os",
