@@ -63,7 +63,8 @@ static void follow_plan(struct component *component, const struct drawbar_body_p
 
 /* Let the tractor come back to its targets (m; slopes in rad) beside the line as a critically damped oscillator does: after
  * a distance s its offset is (e + (e' + e / l) s) exp(-s / l), with today's offset e and slope e' against the target. It
- * turns to where the targets lead within l as well. `forward` and `left`: cosines and sines of the line's yaws. Returns 0 where the line is not finite. */
+ * turns to where the targets lead within l as well. `forward` and `left`: cosines and sines of the line's yaws. Returns 0
+ * where the line is not finite. */
 static int follow_targets(struct component *component, const struct drawbar_estimate *estimate,
                           const struct drawbar_body_reference *tractor, const double *targets, const double *slopes,
                           const double *forward, const double *left)
@@ -160,7 +161,8 @@ static void fill(struct component *component, const struct drawbar_estimate *est
     }
     if (component->coupling == PLANNED && neighbour)
         follow_plan(component, neighbour->plan);
-    else if (!(component->coupling == FOLLOWING && neighbour && follow_line(component, estimate, neighbour->reference, forward, left)))
+    else if (!(component->coupling == FOLLOWING && neighbour
+               && follow_line(component, estimate, neighbour->reference, forward, left)))
         assume_tractor(component, estimate);
 }
 
