@@ -82,8 +82,8 @@ def weave(
 ) -> list[float]:
     """Return by how much believed yaw rates are beyond a weaving tractor's, rad/s; it tells them exactly, `age` old.
 
-    Unless it tells their age they count as new. Each estimate differs by up to `corrected` (rad/s, with a period of half a
-    minute) from what was expected before its sample.
+    Unless it tells their age they count as new. Each estimate differs by up to `corrected` (rad/s, with a period of
+    half a minute) from what was expected before its sample.
 
     From the 60th sample on the measurement has these values.
     """
