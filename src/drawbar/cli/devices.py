@@ -42,7 +42,9 @@ def check(
 
     config = _with_devices(configuration, changes)
     assert config.devices is not None
-    if not _tell(checking.check(config.devices, local_frame(config), seconds, config.sample_time)):
+    oldest = config.safety.engage.correction_age
+    frame = local_frame(config)
+    if not _tell(checking.check(config.devices, frame, seconds, config.sample_time, oldest=oldest)):
         raise SystemExit(1)
     console.print("every device reports, and nothing is missing", style="green")
     if store and not _store(config.devices):

@@ -42,7 +42,9 @@ _OFF = SteeringRequest(steer=False, angle=0.0, speed=0.0)
 _STOP = SpeedRequest(drive=False, speed=0.0, deceleration=1.0)
 
 
-def check(devices: DeviceSettings, frame: LocalFrame, seconds: float, sample_time: float) -> Iterator[Finding]:
+def check(
+    devices: DeviceSettings, frame: LocalFrame, seconds: float, sample_time: float, *, oldest: float
+) -> Iterator[Finding]:
     """Yield what was found out about each device.
 
     Args:
@@ -50,6 +52,7 @@ def check(devices: DeviceSettings, frame: LocalFrame, seconds: float, sample_tim
         frame: of the path.
         seconds: to listen to each device.
         sample_time: of the controller, s.
+        oldest: corrections with which to engage, s.
 
     A device whose port is taken, or whose recording cannot be read, is a finding, and the others are listened to.
 
@@ -60,9 +63,8 @@ def check(devices: DeviceSettings, frame: LocalFrame, seconds: float, sample_tim
 
     def receiver(name: str, settings: ReceiverSettings) -> Finding:
         alone = devices.trailer_receiver is None
-        finding = finding_of(
-            name, lambda: check_receiver(name, settings, frame, seconds, sample_time, corrections, alone=alone)
-        )
+        look = partial(check_receiver, name, settings, frame, seconds, sample_time, corrections)
+        finding = finding_of(name, partial(look, oldest=oldest, alone=alone))
         if finding.received and not finding.fixed:
             finding.problems += not_forwarded(settings, devices)
         return finding
