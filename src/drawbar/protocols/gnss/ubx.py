@@ -16,8 +16,8 @@ _THREE_DIMENSIONAL = 3
 _CARRIER = {1: FixQuality.FLOAT, 2: FixQuality.FIXED}
 _FIXED = 2
 _AGES = (math.nan, 0.5, 1.5, 3.5, 7.5, 12.5, 17.5, 25.0, 37.5, 52.5, 75.0, 105.0, 600.0)
-"""the middle of each class of the age of corrections, s: limits of 5 and 20 s, where classes end, then part the classes;
-the last one, above 120 s, has no end"""
+"""the middle of each class of the age of corrections, s: limits of 5 and 20 s, where classes end, part the classes; the
+last one, above 120 s, has no end"""
 
 
 def pvt(values: Values) -> tuple[Content, ...]:
