@@ -86,6 +86,8 @@ class Observation:
     """since the last word of the operator who engaged; before that, of any"""
     backwards: bool = False
     """the antennas move backwards, by what the controller says"""
+    rejected: bool = False
+    """the position of one antenna is not believed, by what the controller says"""
     not_following: bool = False
     """a steering contradicts its commands, by what the controller says, which has ended its run for it while driving"""
     recording: bool = False
@@ -124,6 +126,7 @@ _PRESENT: dict[Cause, Present] = {
     Cause.HITCH_ANGLE: lambda o, s: not (abs(o.hitch_angle) <= s.engage.hitch_angle),
     Cause.HITCH_FOLDED: lambda o, s: not (abs(o.hitch_angle) <= s.drive.hitch_angle),
     Cause.RECEIVERS_SWAPPED: lambda o, s: o.backwards,
+    Cause.POSITION_REJECTED: lambda o, s: o.rejected,
     Cause.SENSORS_LOST: lambda o, s: not (o.speed_received or o.fix_age <= s.timing.fix + s.timing.speed),
     Cause.TOO_SLOW: lambda o, s: not (o.drives or o.speed >= s.engage.speed),
     Cause.TOO_FAST: lambda o, s: o.speed > s.envelope.speed,
