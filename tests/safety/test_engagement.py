@@ -124,7 +124,7 @@ def test_a_vehicle_that_does_not_stop_is_steered_on_while_nothing_else_is_wrong(
     assert (engagement.state, engagement.cause) == (STOPPED, Cause.STOP_IGNORED)
 
 
-def test_a_vehicle_that_does_not_stop_is_let_go_of_in_the_end_and_asked_to_stop_all_the_more():
+def test_a_vehicle_that_does_not_stop_is_released_in_the_end_and_asked_to_stop_all_the_more():
     engagement = brought_to(STOPPING)
     assert engagement.remaining(110.1) == pytest.approx(19.9)
     assert engagement.update(129.9, Situation(causes=())) is STOPPING

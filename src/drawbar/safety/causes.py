@@ -134,7 +134,7 @@ class Cause(Enum):
         "check valve, motor and sensor; run drawbar check")
     STEERING_REVERSED = (406, False, Response.RELEASE, "a steering moves away from its set point",
         "check the signs of actuator and sensor; run drawbar check")
-    LET_GO = (407, False, Response.RELEASE, "an actuator has released the steering by itself",
+    ACTUATOR_RELEASED = (407, False, Response.RELEASE, "an actuator has released the steering by itself",
         "see the machine's own display for its reason")
     NOT_TAKEN = (408, False, Response.RELEASE, "actuators or controller did not take over in time",
         "see the machine's own display; engage again")

@@ -68,7 +68,7 @@ class Observation:
     """a steering moves away from its set point"""
     jumped: bool = False
     """a measured steering angle has jumped"""
-    let_go: bool = False
+    released: bool = False
     """an actuator was engaged and is not any more, and the operator did not take over"""
     readiness: tuple[Readiness, ...] = ()
     """of all actuators"""
@@ -135,7 +135,7 @@ _PRESENT: dict[Cause, Present] = {
     Cause.STEERING_STUCK: lambda o, s: o.stuck or o.not_following,
     Cause.STEERING_REVERSED: lambda o, s: o.reversed,
     Cause.STEERING_JUMPED: lambda o, s: o.jumped,
-    Cause.LET_GO: lambda o, s: o.let_go,
+    Cause.ACTUATOR_RELEASED: lambda o, s: o.released,
     Cause.GATE_LATE: lambda o, s: o.late_ago < s.engage.clean,
     Cause.SUSPENDED: lambda o, s: o.suspended,
     Cause.NOT_SENT: lambda o, s: o.unsent_ago < s.engage.clean,

@@ -1,4 +1,4 @@
-"""Fault exclusion: which sensors contradict the motion, and are not listened to until the vehicle has been let go of.
+"""Fault exclusion: which sensors contradict the motion, and are left out until the steering has been released.
 
 The gate stops the vehicle for one. Meanwhile it is steered by what is left; the estimator itself would follow where
 both antennas have jumped, and the control step would end its run, and with it all steering, for a wrong hitch angle.

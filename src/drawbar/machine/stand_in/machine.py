@@ -78,7 +78,7 @@ class Driver:
 
     def __init__(self, speed: float) -> None:
         """Take the speed at which to drive, m/s."""
-        self._speed, self._let_go, self._came = speed, math.inf, 0.0
+        self._speed, self._released_at, self._came = speed, math.inf, 0.0
         self.reaction = self.REACTION
         """after which it stops, s"""
         self.wait = self.WAIT
@@ -105,7 +105,7 @@ class Driver:
 
     def begin_again(self) -> None:
         """Creep once more, after the boards have released and the vehicle stands."""
-        self.steered, self._let_go = False, math.inf
+        self.steered, self._released_at = False, math.inf
 
     def tick(self, time: float, steered: bool, commanded: float | None = None, *, pushed: bool = False) -> None:
         """Decide on the speed at a time, s.
@@ -118,13 +118,13 @@ class Driver:
         """
         self.steered |= steered
         if (steered and not self.stop_requested) or (not self.steered and not self.stop_requested):
-            self._let_go = math.inf
+            self._released_at = math.inf
         else:
-            self._let_go = min(self._let_go, time)
+            self._released_at = min(self._released_at, time)
         wish = self._speed if steered or self.steered else self.CREEP if time >= self._came + self.wait else 0.0
         if self.stop_requested:
-            self._let_go = min(self._let_go, time)
-        if time - self._let_go >= self.reaction:
+            self._released_at = min(self._released_at, time)
+        if time - self._released_at >= self.reaction:
             wish = 0.0
         wish = self.PUSHED if pushed and not self.stop_requested else wish
         wish = wish if commanded is None else commanded
