@@ -137,8 +137,8 @@ class GateVerdict(IntEnum):
     """refused, and there was none to repeat, or none new enough: speed zero, steering held"""
 
 
-class Supervision(IntEnum):
-    """Whether a run may go on."""
+class MonitorVerdict(IntEnum):
+    """What the run monitor decided about a run."""
 
     ON_COURSE = 0
     OFF_COURSE = 1

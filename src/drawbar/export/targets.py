@@ -22,7 +22,7 @@ SMALL = {
     "guidance.c": "-Os",
     "step.c": "-Os",
     "gate.c": "-Os",
-    "supervisor.c": "-Os",
+    "run_monitor.c": "-Os",
     "predictor.c": "-Os",
     "tractor_law.c": "-Os",
     "trailer_law.c": "-Os",

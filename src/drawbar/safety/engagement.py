@@ -1,7 +1,7 @@
 """Engagement: the supervisor of a real machine, which decides whether the gate's process may steer (docs/safety.md).
 
 A table of states and events, and the timers that make events of time. It lives in the gate's process and is pure: time
-and all that is observed are given to it. It is not `supervisor.h`, which ends one run of the control step when that
+and all that is observed are given to it. It is not `run_monitor.h`, which ends one run of the control step when that
 strays from its line; such an end is one of many causes here (CONTROLLER_STOPS).
 """
 

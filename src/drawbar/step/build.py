@@ -40,8 +40,8 @@ from drawbar.estimation.tricycle import TricycleEstimation
 from drawbar.guidance.guidance import look_ahead_unit, preview_unit
 from drawbar.optimal.transcription import ESTIMATION_ITERATIONS, USUAL_HORIZON, control_iterations
 from drawbar.safety.gate import PATIENCE, gate_unit
+from drawbar.safety.run_monitor import run_monitor_unit
 from drawbar.safety.sanity import sanity_unit
-from drawbar.safety.supervisor import supervisor_unit
 from drawbar.step.autopilot import Autopilot
 from drawbar.step.library import StepLibrary, StepSettings
 from drawbar.vehicle.articulated import articulated
@@ -114,7 +114,7 @@ def units_of(configuration: Configuration) -> list[Unit]:
         ancillary_unit("tractor_law", tubes.tractor if tubes else None, vehicle.tractor_steering_limit),
         ancillary_unit("trailer_law", tubes.trailer if tubes else None, vehicle.trailer_steering_limit),
         gate_unit(vehicle, speed_limit=configuration.speed, sample_time=configuration.sample_time),
-        supervisor_unit(configuration.sanity, vehicle),
+        run_monitor_unit(configuration.sanity, vehicle),
         sanity_unit(
             vehicle,
             configuration.sanity,

@@ -118,8 +118,8 @@ int drawbar_gate_check(struct component *component, const struct drawbar_command
                        struct drawbar_command *given);
 int drawbar_gate_skip(struct component *component, struct drawbar_command *given);
 
-int drawbar_supervisor_initialise(struct component *component);
-int drawbar_supervisor_watch(struct component *component, const struct drawbar_estimate *estimate,
+int drawbar_run_monitor_initialise(struct component *component);
+int drawbar_run_monitor_watch(struct component *component, const struct drawbar_estimate *estimate,
                              const struct drawbar_body_reference *tractor);
 
 enum { TRACTOR_BODY, TRAILER_BODY, BOTH_BODIES };
@@ -189,7 +189,7 @@ struct autopilot {
     MEMORY(tractor_law, DRAWBAR_TRACTOR_LAW_SIZE);
     MEMORY(trailer_law, DRAWBAR_TRAILER_LAW_SIZE);
     MEMORY(gate, DRAWBAR_GATE_SIZE);
-    MEMORY(supervisor, DRAWBAR_SUPERVISOR_SIZE);
+    MEMORY(run_monitor, DRAWBAR_RUN_MONITOR_SIZE);
     MEMORY(sanity, DRAWBAR_SANITY_SIZE);
     MEMORY(work, DRAWBAR_WORK_SIZE);
 #ifdef DRAWBAR_HOSTED

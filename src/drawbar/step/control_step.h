@@ -42,7 +42,7 @@ static void initialise_components(struct autopilot *a)
     drawbar_guidance_initialise(COMPONENT(a->guidance));
     drawbar_tractor_law_initialise(COMPONENT(a->tractor_law));
     drawbar_trailer_law_initialise(COMPONENT(a->trailer_law));
-    drawbar_supervisor_initialise(COMPONENT(a->supervisor));
+    drawbar_run_monitor_initialise(COMPONENT(a->run_monitor));
     drawbar_sanity_initialise(COMPONENT(a->sanity));
 #ifdef DRAWBAR_IDENTIFIED
     drawbar_actuation_initialise(COMPONENT(a->actuation));
@@ -282,7 +282,7 @@ static int drive(struct autopilot *a, int left_out, const struct drawbar_measure
     if (d->guidance != DRAWBAR_GUIDANCE_FINE)
         return end_run(a, DRAWBAR_GUIDANCE, command);
     a->reached = WITH_REFERENCES;
-    switch (drawbar_supervisor_watch(COMPONENT(a->supervisor), &made->estimate, &made->references[TRACTOR_BODY])) {
+    switch (drawbar_run_monitor_watch(COMPONENT(a->run_monitor), &made->estimate, &made->references[TRACTOR_BODY])) {
     case OFF_COURSE:
         return end_run(a, DRAWBAR_OFF_COURSE, command);
     case BLIND:

@@ -39,7 +39,7 @@ def reason(status: Status, before: Status, record: StepRecord, autopilot: Autopi
     """Say why a run has ended; `before`: the status of the step before its last."""
     at = f"At {record.measurement.time:.1f} s"
     if status is Status.OFF_COURSE:
-        away, limit = abs(record.reference.tractor.lateral_error), _live(autopilot, "supervisor", "lost")
+        away, limit = abs(record.reference.tractor.lateral_error), _live(autopilot, "run_monitor", "lost")
         return f"{at} the tractor was {away:.2f} m from the path (limit {limit:g} m)."
     if status is Status.BLIND:
         return f"{at} {_without_fixes(autopilot)}"
@@ -63,7 +63,7 @@ def reason(status: Status, before: Status, record: StepRecord, autopilot: Autopi
 def _without_fixes(autopilot: Autopilot) -> str:
     """Say how far the vehicle has gone without a fix, and how far and for how long it may."""
     distance, longest, most = (
-        _live(autopilot, "supervisor", name) for name in ("distance", "blind", "blind_deviation")
+        _live(autopilot, "run_monitor", name) for name in ("distance", "blind", "blind_deviation")
     )
     return (
         f"neither antenna had had a valid fix for {distance:.1f} m; "

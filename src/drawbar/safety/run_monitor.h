@@ -1,10 +1,10 @@
-/* Supervisor: whether a run may go on; it watches what the controllers cannot mend.
+/* Run monitor: whether a run may go on; it watches what the controllers cannot mend.
  *
  * Without a fix a vehicle is led by its wheels: after the distance s its heading is off by theta and the curvature that
  * it steers by delta / L, so that it is s hypot(theta, delta s / 2 L) off its line (standard deviations, docs/safety.md).
  */
-#ifndef DRAWBAR_SUPERVISOR_H
-#define DRAWBAR_SUPERVISOR_H
+#ifndef DRAWBAR_RUN_MONITOR_H
+#define DRAWBAR_RUN_MONITOR_H
 
 #include <math.h>
 #include "geometry.h"
@@ -26,30 +26,30 @@ struct component {
     SETTING(component, bend, 0, 1, 0, 0) FIELD(component, distance, 0, 1, 0, 0)
 
 /* Standard deviation of the position across the line after the distance since the last fix, m. */
-static inline double lateral_deviation(const struct component *supervisor)
+static inline double lateral_deviation(const struct component *monitor)
 {
-    return supervisor->distance * hypot(supervisor->heading, supervisor->bend * supervisor->distance);
+    return monitor->distance * hypot(monitor->heading, monitor->bend * monitor->distance);
 }
 
 /* Look at one step's estimate and the tractor's reference. A fix counts if it was believed; one that a receiver repeats
  * is none. */
-int UNIT(watch)(struct component *supervisor, const struct drawbar_estimate *estimate,
+int UNIT(watch)(struct component *monitor, const struct drawbar_estimate *estimate,
                 const struct drawbar_body_reference *tractor)
 {
     const int fix = estimate->tractor_fix == DRAWBAR_FIX_ACCEPTED || estimate->trailer_fix == DRAWBAR_FIX_ACCEPTED;
 
-    if (fix || !supervisor->begun) {
-        supervisor->last_fix = supervisor->now = estimate->time;
-        supervisor->distance = 0.0;
+    if (fix || !monitor->begun) {
+        monitor->last_fix = monitor->now = estimate->time;
+        monitor->distance = 0.0;
     }
-    const double elapsed = estimate->time - supervisor->now;
-    supervisor->distance += fabs(estimate->speed) * elapsed;
-    supervisor->now = estimate->time;
-    supervisor->begun = 1;
-    if (!(fabs(tractor->lateral_error) <= supervisor->lost)) /* also when it is NaN */
+    const double elapsed = estimate->time - monitor->now;
+    monitor->distance += fabs(estimate->speed) * elapsed;
+    monitor->now = estimate->time;
+    monitor->begun = 1;
+    if (!(fabs(tractor->lateral_error) <= monitor->lost)) /* also when it is NaN */
         return OFF_COURSE;
-    if (estimate->time - supervisor->last_fix > supervisor->blind
-        || !(lateral_deviation(supervisor) <= supervisor->blind_deviation))
+    if (estimate->time - monitor->last_fix > monitor->blind
+        || !(lateral_deviation(monitor) <= monitor->blind_deviation))
         return BLIND;
     return ON_COURSE;
 }
