@@ -49,7 +49,7 @@ class Status(IntEnum):
     NO_PATH = 258, "wrong call: drawbar_set_path has not been called, or not with success"
     ORDER = (
         259,
-        "wrong call: out of order: feedback and prepare alternate, and where a run begins is told before it does",
+        "wrong call: out of order: feedback and prepare alternate, and a run's start is set before it begins",
     )
     PATH = 260, "wrong call: the path's table is not a smooth path"
     RANGE = 261, "wrong call: a number is beyond what is allowed"
@@ -144,7 +144,7 @@ class MonitorVerdict(IntEnum):
     OFF_COURSE = 1
     """the tractor is too far from the path, or its distance is not known"""
     BLIND = 2
-    """neither antenna has had a fix that was believed for too long"""
+    """neither antenna has had an accepted fix for too long"""
 
 
 class GuidanceStatus(IntEnum):

@@ -109,17 +109,17 @@ def watched(
         alignment.apply(change(m), past, believed(*now, time=m.time, speed=drive.speed))
         if alignment.status:
             assert alignment.status == Status.ROLL
-            return m.time, alignment.live.array("positions.leans.doubts").tolist()
+            return m.time, alignment.live.array("positions.leans.faults").tolist()
         if m.time >= lasts:
             break
-    return math.inf, alignment.live.array("positions.leans.doubts").tolist()
+    return math.inf, alignment.live.array("positions.leans.faults").tolist()
 
 
 REVERSED, STUCK = 1, 2
 
 
 @pytest.mark.parametrize("seed", range(3))
-@pytest.mark.parametrize(("body", "doubts"), [("tractor", [REVERSED, 0]), ("trailer", [0, REVERSED])])
+@pytest.mark.parametrize(("body", "faults"), [("tractor", [REVERSED, 0]), ("trailer", [0, REVERSED])])
 def test_an_antenna_that_swings_against_its_roll_names_the_sensor(body: str, doubts: list[int], seed: int) -> None:
     drive = Drive(tractor=wavy, trailer=lambda way: wavy(way - 2.4), seed=seed)
     when, found = watched(drive, reversed_rolls(body))

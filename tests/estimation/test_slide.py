@@ -30,13 +30,13 @@ struct component { struct slide slide; };
 int UNIT(begin)(struct component *component) { slide_begin(&component->slide); return 0; }
 int UNIT(stand)(struct component *component, double yaw, double roll, double pitch)
 {
-    slide_stand(&component->slide, yaw, roll, pitch, 0.2);
+    slide_attitude(&component->slide, yaw, roll, pitch, 0.2);
     return 0;
 }
 int UNIT(take)(struct component *component, double yaw, double push, double crab)
 {
-    slide_walk(&component->slide);
-    slide_take(&component->slide, (struct axle){yaw, push}, crab);
+    slide_forget(&component->slide);
+    slide_update(&component->slide, (struct axle){yaw, push}, crab);
     return 0;
 }
 """

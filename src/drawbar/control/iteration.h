@@ -9,7 +9,7 @@
 #include "rti.h"
 #include "unit.h"
 
-#define TORN 0.5                           /* gap in a plan, m or rad, from which on a full step cannot be believed */
+#define TORN 0.5                           /* gap in a plan, m or rad, beyond which a full step is not valid */
 
 struct iteration {
     int32_t usable;                        /* the last plan can be gone on from */

@@ -43,6 +43,6 @@ def identify(
         library.drawbar_actuation_measured(own, measured)
         commands.pack(sent, command)
         library.drawbar_actuation_sent(own, sent)
-    library.drawbar_actuation_tell(own, found)
+    library.drawbar_actuation_report(own, found)
     actuation: Actuation = told.unpack(found)
     return actuation

@@ -1,7 +1,7 @@
-/* Run monitor: whether a run may go on; it watches what the controllers cannot mend.
+/* Run monitor: whether a run may continue: the tractor is near the path, and fixes are recent.
  *
- * Without a fix a vehicle is led by its wheels: after the distance s its heading is off by theta and the curvature that
- * it steers by delta / L, so that it is s hypot(theta, delta s / 2 L) off its line (standard deviations, docs/safety.md).
+ * Without a fix the vehicle is guided by dead reckoning: after the distance s, with the errors theta of the heading and delta / L
+ * of the curvature, its lateral position has the standard deviation s hypot(theta, delta s / 2 L) (docs/safety.md).
  */
 #ifndef DRAWBAR_RUN_MONITOR_H
 #define DRAWBAR_RUN_MONITOR_H
@@ -12,40 +12,40 @@
 #include "unit.h"
 
 struct component {
-    double lost;                           /* distance from the path at which a run is given up, m */
-    double blind;                          /* time without a fix of either antenna after which it is, s */
-    double blind_deviation;                /* standard deviation of the position across at which it is, m */
+    double lost;                           /* largest distance from the path, m */
+    double blind;                          /* longest time without a fix of either antenna, s */
+    double blind_deviation;                /* largest standard deviation of the lateral position, m */
     double heading, bend;                  /* theta, rad; delta / 2 L, 1/m */
     double distance;                       /* since the last fix, m */
-    time_stamp last_fix, now;
-    int32_t begun;
+    time_stamp last_fix, last_time;
+    int32_t initialised;
 };
 
 #define COMPONENT_FIELDS SETTING(component, lost, 0, 1, 0, 0) SETTING(component, blind, 0, 1, 0, 0) \
     SETTING(component, blind_deviation, 0, 1, 0, 0) SETTING(component, heading, 0, 1, 0, 0)                          \
     SETTING(component, bend, 0, 1, 0, 0) FIELD(component, distance, 0, 1, 0, 0)
 
-/* Standard deviation of the position across the line after the distance since the last fix, m. */
+/* Standard deviation of the lateral position after the distance since the last fix, m. */
 static inline double lateral_deviation(const struct component *monitor)
 {
     return monitor->distance * hypot(monitor->heading, monitor->bend * monitor->distance);
 }
 
-/* Look at one step's estimate and the tractor's reference. A fix counts if it was believed; one that a receiver repeats
- * is none. */
+/* Judge one step's estimate and the tractor's reference; returns enum monitor_verdict. Only accepted fixes count: repeated ones
+ * are stale. */
 int UNIT(watch)(struct component *monitor, const struct drawbar_estimate *estimate,
                 const struct drawbar_body_reference *tractor)
 {
     const int fix = estimate->tractor_fix == DRAWBAR_FIX_ACCEPTED || estimate->trailer_fix == DRAWBAR_FIX_ACCEPTED;
 
-    if (fix || !monitor->begun) {
-        monitor->last_fix = monitor->now = estimate->time;
+    if (fix || !monitor->initialised) {
+        monitor->last_fix = monitor->last_time = estimate->time;
         monitor->distance = 0.0;
     }
-    const double elapsed = estimate->time - monitor->now;
+    const double elapsed = estimate->time - monitor->last_time;
     monitor->distance += fabs(estimate->speed) * elapsed;
-    monitor->now = estimate->time;
-    monitor->begun = 1;
+    monitor->last_time = estimate->time;
+    monitor->initialised = 1;
     if (!(fabs(tractor->lateral_error) <= monitor->lost)) /* also when it is NaN */
         return OFF_COURSE;
     if (estimate->time - monitor->last_fix > monitor->blind

@@ -1,4 +1,4 @@
-"""Run monitor: watches what the controllers cannot mend (run_monitor.h)."""
+"""Run monitor: whether a run may continue (run_monitor.h)."""
 
 from numpy.typing import ArrayLike
 

@@ -71,7 +71,7 @@ static int rti_note_missing(struct rti *s)
     const double *y = &s->y[0][0];
     int changed = 0;
 
-    /* a controller has no measurements, but its first mark tells of other weights */
+    /* a controller has no measurements, but its first mark notes changed weights */
     for (int i = 0; i < (FREE_INITIAL ? (N + 1) * NY : 1); ++i) {
         const uint8_t now = (uint8_t)(FREE_INITIAL && isnan(y[i]));
         changed |= now != s->missing[i];

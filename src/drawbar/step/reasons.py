@@ -80,8 +80,8 @@ def _not_followed(record: StepRecord, autopilot: Autopilot) -> str:
     """Say which steering does not follow its commands."""
     sensed, angles = record.measurement, []
     for place, body, name in ((0, "tractor", "the front wheels"), (1, "trailer", "the trailer's joint")):
-        stuck = _live(autopilot, "actuation", "stuck_for", place) > 0.0
-        if stuck or _live(autopilot, "actuation", "odd_for", place) > 0.0:
+        stuck = _live(autopilot, "actuation", "stuck_time", place) > 0.0
+        if stuck or _live(autopilot, "actuation", "unexplained_time", place) > 0.0:
             measured, asked = (math.degrees(getattr(each, f"{body}_steering")) for each in (sensed, record.command))
             shows = f"the sensor of {name} shows {'the very same ' if stuck else ''}{measured:.1f}°"
             angles.append(f"{shows}, {asked:.1f}° were commanded")
@@ -109,7 +109,7 @@ def _leans_otherwise(record: StepRecord, autopilot: Autopilot) -> str:
     """Say which roll sensor is wrong, and what about it."""
     sensors = []
     for place, body in enumerate(("tractor", "trailer")):
-        doubt = _live(autopilot, "alignment", "positions.leans.doubts", place)
+        doubt = _live(autopilot, "alignment", "positions.leans.faults", place)
         if doubt:
             shown = f"{math.degrees(getattr(record.measurement, f'{body}_roll')):.1f}°"
             wrong = "stands still while it does not" if doubt == _STUCK else "is reversed"

@@ -73,7 +73,7 @@ int drawbar_set_path(struct drawbar_state *state, const struct drawbar_path_node
     a->path = path;
     follow_path(a);
     a->start = 0.0;
-    a->begun = a->ended = a->called = a->due = 0;
+    a->started = a->ended = a->called = a->due = 0;
     return DRAWBAR_OK;
 }
 
@@ -84,8 +84,8 @@ int drawbar_begin_at(struct drawbar_state *state, double arc_length)
 
     if (refused)
         return refused;
-    if (a->path.count == 0 || a->begun)
-        return a->begun ? DRAWBAR_ORDER : DRAWBAR_NO_PATH;
+    if (a->path.count == 0 || a->started)
+        return a->started ? DRAWBAR_ORDER : DRAWBAR_NO_PATH;
     if (!(arc_length >= 0.0 && arc_length < path_length(&a->path)))
         return DRAWBAR_RANGE;
     a->start = arc_length;
@@ -101,7 +101,7 @@ int drawbar_change_path(struct drawbar_state *state, const struct drawbar_path_n
 
     if (refused)
         return refused;
-    if (!a->begun || a->ended)
+    if (!a->started || a->ended)
         return DRAWBAR_NO_RUN;
     if (path_check(&path) >= 0)
         return DRAWBAR_PATH;

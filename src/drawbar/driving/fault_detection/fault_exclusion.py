@@ -75,7 +75,7 @@ class _AntennaResidual:
 class _StuckHitchSensor:
     """Whether the hitch sensor reports the very same angle although the estimate turns.
 
-    As estimation/still.h, which the control step goes by, a sample sooner.
+    As estimation/frozen_signal.h, which the control step goes by, a sample sooner.
     """
 
     def __init__(self, limit: float) -> None:

@@ -125,7 +125,7 @@ class Notices:
             yield Cause.POSITION_REJECTED
         if exclusion.excludes_trailer and not drifts:  # an estimate that has followed positions contradicts it, too
             yield Cause.TRAILER_CONTRADICTS
-        if self._rejections.yaw.is_confirmed or self._alignment.array("yaw_rate.doubted")[0] > 0.0:
+        if self._rejections.yaw.is_confirmed or self._alignment.array("yaw_rate.exclusion")[0] > 0.0:
             yield Cause.YAW_REJECTED
 
     def _yaw_is_far(self, record: StepRecord) -> bool:
