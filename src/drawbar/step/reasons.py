@@ -95,7 +95,7 @@ def _contradicted(record: StepRecord, autopilot: Autopilot) -> str:
     """Say which of the trailer's angles contradicts the motion: the one that is farther from its estimate."""
     names = {"hitch_angle": "hitch angle", "trailer_steering": "trailer's joint"}
     pairs = {name: [math.degrees(getattr(of, name)) for of in (record.measurement, record.estimate)] for name in names}
-    stuck = _live(autopilot, "sanity", "hitch.stuck") > 0.0
+    stuck = _live(autopilot, "sanity", "hitch.stuck_time") > 0.0
     worst = "hitch_angle" if stuck else max(names, key=lambda name: abs(pairs[name][0] - pairs[name][1]))
     measured, found = pairs[worst]
     why = "it is stuck" if stuck else "it is stuck, has the wrong sign or is off, or a stated length is"
