@@ -15,7 +15,7 @@ HEADERS = {path.relative_to(SOURCE).as_posix(): path for path in sorted(SOURCE.r
 LONGEST_NAME = 5
 """words before the colon, or from the beginning where no colon ends a name"""
 QUESTIONS = {"what", "how", "where", "whether", "which", "when", "why", "who", "whose", "from", "by", "in", "on", "for"}
-RETIRED = {"let[-_ ]go|lets[-_ ]go|letting[-_ ]go": "release"}
+RETIRED = {"let[-_ ]go|lets[-_ ]go|letting[-_ ]go|lets? (the boards?|the steering|them) go": "release"}
 """what is not written any more, by words of the same meaning (docs/glossary.md)"""
 DEFINED = (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 

@@ -40,7 +40,7 @@ EXPECTED = {
     READY: {Event.LOST: STANDBY, Event.RELEASE: STANDBY, Event.STOP: STANDBY, Event.ENGAGE: ENGAGING}
     | {Event.FAULT: FAULT, Event.EMERGENCY: ESTOP},
     ENGAGING: {Event.TAKEN: ACTIVE, Event.STOP: STOPPING, Event.RELEASE: STANDBY} | STEER_ENDS,
-    ACTIVE: {Event.WORRY: DEGRADED, Event.STOP: STOPPING, Event.RELEASE: STANDBY} | STEER_ENDS,
+    ACTIVE: {Event.DEGRADE: DEGRADED, Event.STOP: STOPPING, Event.RELEASE: STANDBY} | STEER_ENDS,
     DEGRADED: {Event.CALM: ACTIVE, Event.STOP: STOPPING, Event.RELEASE: STANDBY} | STEER_ENDS,
     STOPPING: {Event.STOOD: STOPPED, Event.RELEASE: STOPPED} | STEER_ENDS,
     STOPPED: {Event.ACKNOWLEDGE: STANDBY, Event.FAULT: FAULT, Event.EMERGENCY: ESTOP},
@@ -169,8 +169,8 @@ def test_a_failed_selftest_is_a_fault():
 def test_ready_needs_all_conditions_for_the_whole_time():
     engagement = brought_to(STANDBY)
     for tick in range(1, 400):
-        worry = (Cause.OFF_LINE,) if tick % 30 == 0 else ()
-        assert engagement.update(100.0 + 0.05 * tick, Situation(causes=worry)) is STANDBY
+        cause = (Cause.OFF_LINE,) if tick % 30 == 0 else ()
+        assert engagement.update(100.0 + 0.05 * tick, Situation(causes=cause)) is STANDBY
     engagement.update(120.0, Situation(causes=(Cause.UNSOLVED,)))  # this one does not stand against engaging
     assert engagement.state is STANDBY
     engagement.update(121.5, Situation(causes=()))
@@ -200,7 +200,7 @@ def test_each_cause_has_its_response_while_driving(state, cause):
     engagement.update(100.05, Situation(causes=(cause,)))
     after = {
         Response.NONE: state,
-        Response.TELL: state,
+        Response.NOTIFY: state,
         Response.DEGRADE: DEGRADED if state is ACTIVE else state,
         Response.STOP: STOPPING,
         Response.RELEASE: FAULT,
@@ -320,8 +320,8 @@ def test_it_eases_for_a_second_and_takes_over_only_then():
 def test_it_recovers_only_after_calm():
     engagement = brought_to(DEGRADED)
     for tick in range(1, 60):
-        worry = (Cause.FIX_LOST,) if tick % 30 == 0 else ()
-        assert engagement.update(100.0 + 0.05 * tick, Situation(causes=worry)) is DEGRADED
+        cause = (Cause.FIX_LOST,) if tick % 30 == 0 else ()
+        assert engagement.update(100.0 + 0.05 * tick, Situation(causes=cause)) is DEGRADED
     assert engagement.update(103.4, Situation(causes=())) is DEGRADED
     assert engagement.update(103.55, Situation(causes=())) is ACTIVE, "2 s after 101.5"
 

@@ -130,7 +130,7 @@ def test_what_stops_driving_keeps_steering_until_it_stands(name):
     assert told(bench) == [b"tractor off", b"trailer off"]
 
 
-WORRIES = {
+DEGRADING = {
     "fix": ({"tractor_quality": 4}, Cause.FIX_LOST),
     "trailer's fix": ({"trailer_quality": 4}, Cause.FIX_LOST),
     "corrections": ({"correction_age": 20.1}, Cause.CORRECTIONS_LOST),
@@ -143,9 +143,9 @@ WORRIES = {
 }
 
 
-@pytest.mark.parametrize("name", list(WORRIES))
-def test_worries_degrade_for_a_while_and_then_stop(name):
-    changes, cause = WORRIES[name]
+@pytest.mark.parametrize("name", list(DEGRADING))
+def test_causes_degrade_for_a_while_and_then_stop(name):
+    changes, cause = DEGRADING[name]
     bench = driving(speed_actuator=True)
     assert bench.speed_actuator.requests[-1][1].speed == 1.0
     bench.controller = changes
@@ -171,7 +171,7 @@ def test_without_fix_and_speed_it_is_driven_on_for_a_second():
     assert (bench.state, bench.cause) == (STOPPING, Cause.SENSORS_LOST)
 
 
-def test_it_recovers_when_the_worry_is_gone():
+def test_it_recovers_when_the_cause_is_gone():
     bench = driving()
     bench.controller = {"tractor_quality": 4}
     bench.run(1.0)

@@ -18,7 +18,7 @@ static void nominal_state(struct subsystem *body, const double *closest)
         move_beside(body->nominal, closest);
 }
 
-/* Let the problem start where the tube wants it to. */
+/* Set the problem's initial state: the estimate, the nominal state, or free within the tube. */
 static void set_begin(struct subsystem *body, struct rti *solver)
 {
     const double *begin = body->restarts ? body->estimated : body->nominal;
@@ -28,7 +28,7 @@ static void set_begin(struct subsystem *body, struct rti *solver)
         allow_first_state(body, solver);
 }
 
-/* Take in estimate, reference and, for couplings that need it, the other body's line and plan (or NULL). */
+/* Fill the problem with estimate, reference and, for couplings that need it, the other body's line and plan (or NULL). */
 static void take_in(struct component *component, const struct drawbar_estimate *estimate,
                     const struct drawbar_body_reference *reference, const struct drawbar_neighbour *neighbour)
 {
@@ -74,8 +74,8 @@ static void make_plan(struct component *component, struct drawbar_body_plan *pla
         place_in_world(body);
 }
 
-/* Both bodies steer by a plan's first command and by how far the estimate is from its begin. Where the solver failed that
- * is the last plan that was solved, as long as there has been one, and the distance from it is not known. */
+/* A body steers by a plan's first command and by the deviation of the estimate from its initial state. Where the solver failed
+ * that is the last solved plan, if there has been one, and the deviation is zero. */
 int UNIT(feedback)(struct component *component, const struct drawbar_estimate *estimate,
                    const struct drawbar_body_reference *reference, const struct drawbar_neighbour *neighbour,
                    struct drawbar_body_plan *plan, struct lent *lent)

@@ -49,7 +49,7 @@ class ScreeningSettings(Settings):
     shift: Positive = 2.3
     """mean disagreement of the antennas about where the vehicle is that makes one suspect, deviations"""
     release: Positive = 1.7
-    """mean disagreement below which a suspect is believed again, deviations"""
+    """mean difference below which a suspicion ends, standard deviations"""
     memory: Annotated[int, Field(ge=1)] = 5
     """samples over which the disagreement is averaged"""
     long_memory: Annotated[int, Field(ge=1)] = 100
@@ -71,7 +71,7 @@ class ScreeningSettings(Settings):
     repetition: Positive = 0.05
     """a fix that repeats exactly while the vehicle moved by more than this is stale, m"""
     patience: Positive = 1.0
-    """time for which both antennas must agree with each other against the estimate to be believed, and for which they
+    """time for which both antennas must agree with each other against the estimate to overrule it, and for which they
     must first have confirmed it: before that, two samples in a row are enough, s"""
 
     @model_validator(mode="after")

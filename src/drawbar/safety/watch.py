@@ -133,7 +133,7 @@ class Watch:
             "heading_error": largest(state.tractor_heading_error, state.trailer_heading_error),
             "hitch_angle": state.hitch_angle,
             "backwards": state.status == Status.BACKWARDS,
-            # while it stops, the gate may have limited what the controller believes to have commanded
+            # while it stops, the gate may have limited what the controller commanded
             "not_following": state.status == Status.STEERING and supervisor is not SupervisorState.STOPPING,
             "wiggled": state.wiggled == 1,
         }

@@ -42,7 +42,7 @@ static void active_first(const struct qp *s, const double *gradient, double *fir
     ldl_state_solve((const double (*)[NX])s->P0_L, s->P0_D, first);
 }
 
-/* Let the multipliers, changed by as much, pull at the gradient. */
+/* Add the changed multipliers to the gradient. */
 static void active_pull(const struct qp *s, const struct active_set *a, const double *change, double *gradient)
 {
     for (int r = 0; r < a->count; ++r)

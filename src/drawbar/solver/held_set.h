@@ -134,9 +134,9 @@ static int held_clip(const struct qp *restrict s, struct held_set *restrict h, i
     return changes;
 }
 
-/* Forward by the laws, with every input within its room, and multipliers of the costs to go; may_release: where the way backward
- * has told of held inputs' gradients. Returns how many bounds have changed, or -1 where one is violated that cannot be held
- * here. */
+/* Forward by the laws, with every input within its room, and multipliers of the costs to go; may_release: after a backward
+ * sweep, which has computed held inputs' gradients. Returns how many bounds have changed, or -1 where one is violated that
+ * cannot be held here. */
 static int held_forward(struct qp *restrict s, struct held_set *restrict h, int may_release)
 {
     double now[NX];
