@@ -77,10 +77,13 @@ def test_values_of_any_age_are_brought_to_now() -> None:
         assert (aligned.tractor_steering, aligned.hitch_angle) == pytest.approx((0.0, 0.3), abs=1e-12)
 
 
-def weave(alignment: Alignment, samples: int, age: float = 0.0, *, tells: bool = True, **values: Any) -> list[float]:
+def weave(
+    alignment: Alignment, samples: int, age: float = 0.0, *, tells: bool = True, corrected: float = 0.0, **values: Any
+) -> list[float]:
     """Return by how much believed yaw rates are beyond a weaving tractor's, rad/s; it tells them exactly, `age` old.
 
-    Unless it tells their age they count as new.
+    Unless it tells their age they count as new. Each estimate differs by up to `corrected` (rad/s, with a period of
+    half a minute) from what was expected before its sample.
 
     From the 60th sample on the measurement has these values.
     """
@@ -93,8 +96,8 @@ def weave(alignment: Alignment, samples: int, age: float = 0.0, *, tells: bool =
     def yaw(time: float) -> float:
         return 0.15 / 0.8 * (1.0 - math.cos(0.8 * time))
 
-    def there(time: float) -> Estimate:
-        steering = math.atan(lengths.wheelbase * rate(time))
+    def there(time: float, correction: float = 0.0) -> Estimate:
+        steering = math.atan(lengths.wheelbase * (rate(time) - correction * math.sin(0.2 * time)))
         pose = Pose(x=0.01 * time, y=0.0, yaw=yaw(time))
         east, north = back * math.cos(pose.yaw), back * math.sin(pose.yaw)
         behind = Pose(x=pose.x - east, y=-north, yaw=pose.yaw)
@@ -109,7 +112,8 @@ def weave(alignment: Alignment, samples: int, age: float = 0.0, *, tells: bool =
         }
         given = measurement(now, (0.01 * now, 0.0, 0.01 * now - east, -north), **told)
         given = replace(given, **values) if k >= 60 else given
-        found.append(alignment.apply(given, there(now - SAMPLE), there(now)).tractor_yaw_rate - rate(now))
+        last = there(now - SAMPLE, corrected)
+        found.append(alignment.apply(given, last, there(now)).tractor_yaw_rate - rate(now))
     return found
 
 
@@ -117,6 +121,11 @@ def weave(alignment: Alignment, samples: int, age: float = 0.0, *, tells: bool =
 def test_a_yaw_rate_of_any_age_is_brought_to_now(age: float) -> None:
     beyond = weave(Alignment(VehicleParameters()), 150, age)
     assert all(map(math.isnan, beyond[:10]))
+    assert np.abs(beyond[60:]).max() < math.radians(0.5)
+
+
+def test_what_a_sample_corrects_in_the_estimate_is_no_change_of_an_old_yaw_rate() -> None:
+    beyond = weave(Alignment(VehicleParameters()), 300, 0.2, corrected=math.radians(1.5))
     assert np.abs(beyond[60:]).max() < math.radians(0.5)
 
 

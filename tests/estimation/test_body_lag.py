@@ -190,6 +190,33 @@ def test_a_yaw_rate_shows_the_lag(true, bent) -> None:
     assert last.body_lag_deviation < 0.6 * first.body_lag_deviation
 
 
+def test_wheels_that_alternate_from_sample_to_sample_show_the_lag() -> None:
+    """A wrong lag makes commands alternate: exactly then it must be found."""
+    angles = 0.05 * (-1.0) ** np.arange(len(TIMES))
+    _, told = steadily(angles, 2.8 / VEHICLE.wheelbase * angles, 2.8, per_speed=0.05)
+    assert told[0].body_lag == pytest.approx(0.14)
+    assert told[50].body_lag < 0.05
+
+
+@pytest.mark.parametrize("true", [0.0, 0.2])
+def test_an_old_yaw_rate_shows_the_lag(true) -> None:
+    """It is brought up to now by what the wheels turned the tractor since, with the lag that is reckoned with."""
+    speed, age = 2.8, 0.8
+    predictor = DeadTimePredictor(VEHICLE, articulated(VEHICLE), SAMPLE, 0.02)
+    estimate, lag = replace(ESTIMATE, speed=speed), 0.0
+    for time in TIMES:
+        predictor.ahead(estimate)
+        then, since = swinging(time - age - true), swinging(time - lag) - swinging(time - age - lag)
+        rate = speed / VEHICLE.wheelbase * (then + since)
+        given = replace(
+            NOTHING, time=time, tractor_steering=swinging(time), tractor_yaw_rate=rate, tractor_attitude_age=age
+        )
+        told = predictor.measured(estimate, given)[1]
+        predictor.sent(Command(time=time, tractor_steering=0.0, trailer_steering=0.0, speed=speed))
+        lag = told.body_lag
+    assert lag + math.copysign(told.body_lag_deviation, true - 0.02 * speed) == pytest.approx(true, abs=0.04)
+
+
 def test_what_is_not_sure_is_not_reckoned_with() -> None:
     """At 0.3 m/s a yaw rate shows next to nothing, and wheels that rest show nothing."""
     assert max(each.body_lag for each in shown(0.2, 0.3)) == pytest.approx(0.006)

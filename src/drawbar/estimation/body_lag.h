@@ -89,23 +89,26 @@ static inline void body_lag_record(struct body_lag *body, double angle)
         body->angles[i] = angle + i * turned;
 }
 
-/* The angle at which the wheels stood before a lag, and how fast they turned then; rad, rad/s. */
+/* The angle at which the wheels stood before a lag, and how fast they turned then; rad, rad/s. A third of the rate is that of
+ * the newest sample: over two samples alone, angles that alternate would seem to rest. */
 static inline double body_lag_angle(const struct body_lag *body, double lag, double *rate)
 {
     const double samples = fmin(lag / body->sample_time, ANGLES - 3.0);
-    const int i = (int)samples, newer = i > 0 ? i - 1 : 0;
+    const int i = (int)samples;
 
-    *rate = (body->angles[newer] - body->angles[i + 2]) / ((i + 2 - newer) * body->sample_time);
+    *rate = (2.0 * body->angles[i] - body->angles[i + 1] - body->angles[i + 2]) / (3.0 * body->sample_time);
     return body->angles[i] + (samples - i) * (body->angles[i + 1] - body->angles[i]);
 }
 
-/* Update with a yaw rate (rad/s). last: the last estimate. */
-static inline void body_lag_learn(struct body_lag *body, const struct drawbar_estimate *last, double yaw_rate)
+/* Update with a yaw rate (rad/s) that was measured before this age (s), and brought up to now by what the wheels turned since:
+ * it differs from theirs by as much as it did then. last: the last estimate. */
+static inline void body_lag_learn(struct body_lag *body, const struct drawbar_estimate *last, double yaw_rate, double age)
 {
     const double turning = ground_speed(last) * last->tractor_slip / body->wheelbase;
     const double share = body->sample_time / LAG_HIGH_PASS, forgotten = 2.0 * body->sample_time / LAG_MEMORY;
     double rate;
-    const double delayed = body_lag_angle(body, body_lag_with(body, last, body->beyond), &rate);
+    const double lag = body_lag_with(body, last, body->beyond), delayed = body_lag_angle(body, lag, &rate);
+    body_lag_angle(body, lag + (age > 0.0 ? age : 0.0), &rate);
     double errors[] = {yaw_rate - turning * delayed, -turning * rate};
 
     if (!isfinite(errors[0] + errors[1]))
@@ -137,7 +140,7 @@ static inline void body_lag_measured(struct body_lag *body, const struct drawbar
         return;
     if (isfinite(m->tractor_steering))
         body_lag_record(body, m->tractor_steering);
-    body_lag_learn(body, last, m->tractor_yaw_rate);
+    body_lag_learn(body, last, m->tractor_yaw_rate, m->tractor_attitude_age);
     m->tractor_steering = body_lag_angle(body, share * body->lag, &rate);
 }
 

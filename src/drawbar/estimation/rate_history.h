@@ -1,5 +1,6 @@
 /* Rate history: the yaw rate of the last samples, by which an old measured one is brought up to now. Over several samples it
- * does not change evenly. */
+ * does not change evenly. All are what was expected before their sample was taken in: what a sample corrects in the estimate is
+ * no change of the rate, and would add up in its integral. */
 #ifndef DRAWBAR_RATE_HISTORY_H
 #define DRAWBAR_RATE_HISTORY_H
 
@@ -12,7 +13,14 @@ struct rate_history {
     double rates[RATES_KEPT];              /* newest first, rad/s */
 };
 
-/* Record the yaw rate of the sample before this one, rad/s. */
+/* Initialise with a constant rate, rad/s. */
+static inline void rate_history_begin(struct rate_history *history, double rate)
+{
+    for (int i = 0; i < RATES_KEPT; ++i)
+        history->rates[i] = rate;
+}
+
+/* Record the yaw rate of this sample, rad/s: from now on it is the one before. */
 static inline void rate_history_record(struct rate_history *history, double rate)
 {
     memmove(history->rates + 1, history->rates, (RATES_KEPT - 1) * sizeof(double));

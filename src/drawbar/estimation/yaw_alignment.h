@@ -53,9 +53,11 @@ static inline void align_yaw_rate(struct yaw_rate_sensor *sensor, struct rate_hi
     const double now = wheels_yaw_rate(chain, since->expected);
     const double age = m->tractor_attitude_age - fmin(sensor->latency, 0.0);
 
-    rate_history_record(rates, wheels_yaw_rate(chain, since->last));
+    if (!sensor->initialised)
+        rate_history_begin(rates, now);
     const double measured = age > OLDEST
         ? (double)NAN : rate_history_brought_up(rates, m->tractor_yaw_rate, age, since->elapsed, now);
+    rate_history_record(rates, now);
     const double turned = wrapped(line_direction(since->expected) - line_direction(since->last));
     const struct yaw_reference reference = {yaw_of_fixes(chain, m), since->elapsed > 0.0 ? turned / since->elapsed : 0.0};
 
