@@ -26,7 +26,7 @@ def articulated_tractor_unit(
     problem = _problem(model, settings.horizon, sample_time, errors, weights.steering_rate, tube)
     actuator = actuator_settings(tube, lag=vehicle.steering_lag, sample_time=sample_time)
     sharing = sharing_settings(vehicle, settings.sharing, sample_time)
-    own = {**chain_settings(vehicle), **actuator, **sharing, "calm": weights.steering_rate}
+    own = {**chain_settings(vehicle), **actuator, **sharing, "rate_weight": weights.steering_rate}
     return subsystem_unit("tractor", problem, tube, "articulated_tractor.h", own)
 
 

@@ -19,12 +19,12 @@ struct component {
     struct chain chain;
     struct actuator actuator;
     struct shared_error shared;
-    double calm;                           /* weight on the steering rate up to 1 m/s */
+    double rate_weight;                    /* weight on the steering rate up to 1 m/s */
 };
 
 #define COMPONENT_FIELDS                                                                                         \
     SUBSYSTEM_FIELDS CHAIN_FIELDS(component, chain) ACTUATOR_FIELDS(actuator) SHARED_ERROR_FIELDS(shared)        \
-    SETTING(component, calm, 0, 1, 0, 0)
+    SETTING(component, rate_weight, 0, 1, 0, 0)
 
 static void body_state(const struct drawbar_estimate *estimate, double *state)
 {
@@ -42,7 +42,7 @@ static void fill(struct component *component, const struct drawbar_estimate *est
 
     (void)neighbour;
     side_slip_changes(estimate, reference->samples, N + 1, changes, cosines, sines);
-    weigh_rate(solver, Y_STEERING_RATE, component->calm, estimate->speed);
+    weigh_rate(solver, Y_STEERING_RATE, component->rate_weight, estimate->speed);
     for (int k = 0; k <= N; ++k) {
         const double *sample = reference->samples[k];
         double *p = solver->p[k];

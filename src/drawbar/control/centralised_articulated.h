@@ -22,12 +22,12 @@ struct component {
     struct centralised centralised;
     struct chain chain;
     struct actuator tractor_actuator, trailer_actuator;
-    double calm;                           /* weight on the tractor's steering rate up to 1 m/s */
+    double rate_weight;                    /* weight on the tractor's steering rate up to 1 m/s */
 };
 
 #define COMPONENT_FIELDS                                                                                     \
     CHAIN_FIELDS(component, chain) ACTUATOR_FIELDS(tractor_actuator) ACTUATOR_FIELDS(trailer_actuator)       \
-    SETTING(component, calm, 0, 1, 0, 0)
+    SETTING(component, rate_weight, 0, 1, 0, 0)
 
 static void vehicle_state(const struct drawbar_estimate *estimate, double *x)
 {
@@ -64,7 +64,7 @@ static void fill(struct component *component, const struct drawbar_estimate *est
 
     side_slip_changes(estimate, tractor->samples, N + 1, changes[0], cosines, sines);
     side_slip_changes(estimate, trailer->samples, N + 1, changes[1], cosines, sines);
-    weigh_rate(&component->rti, Y_TRACTOR_STEERING_RATE, component->calm, estimate->speed);
+    weigh_rate(&component->rti, Y_TRACTOR_STEERING_RATE, component->rate_weight, estimate->speed);
     for (int k = 0; k <= N; ++k) {
         const double *front = tractor->samples[k], *rear = trailer->samples[k];
         double *p = component->rti.p[k];

@@ -37,7 +37,7 @@ def centralised_articulated_unit(
         terminal_weights=errors,
         bounds=_bounds(tubes),
     )
-    own = {**chain_settings(vehicle), "calm": tractor.steering_rate}
+    own = {**chain_settings(vehicle), "rate_weight": tractor.steering_rate}
     for body, tube, sign in (("tractor", tubes.tractor, 1), ("trailer", tubes.trailer, vehicle.joint_sign)):
         own |= actuator_settings(
             tube, lag=vehicle.steering_lag, sample_time=sample_time, sign=sign, place=f"{body}_actuator"

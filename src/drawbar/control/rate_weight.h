@@ -4,11 +4,11 @@
 
 #include "rti.h"
 
-/* Weigh an output, the steering rate, by its weight up to 1 m/s and by the speed (m/s). Changes below a tenth are not worth
- * a new factorisation. */
-static inline void weigh_rate(struct rti *solver, int output, double calm, double speed)
+/* Weigh an output, the steering rate, by its weight up to 1 m/s and by the speed (m/s). Changes below a tenth are
+ * ignored, as each costs a new factorisation. */
+static inline void weigh_rate(struct rti *solver, int output, double rate_weight, double speed)
 {
-    const double weight = calm / fmax(speed, 1.0);
+    const double weight = rate_weight / fmax(speed, 1.0);
 
     if (fabs(weight - solver->w[0][output]) <= 0.1 * weight)
         return;

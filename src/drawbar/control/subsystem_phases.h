@@ -9,8 +9,7 @@
 typedef char states_begin_with_a_pose[(int)X_X == AT_X && (int)X_Y == AT_Y && (int)X_YAW == AT_YAW ? 1 : -1];
 #endif
 
-/* The nominal state, without what separates it from the estimate along the path; the estimate itself where there is
- * none to go on from. */
+/* The nominal state, moved along the path to beside the estimate; the estimate itself without a last plan. */
 static void nominal_state(struct subsystem *body, const double *closest)
 {
     memcpy(body->nominal, body->predicts ? body->successor : body->estimated, sizeof body->nominal);
@@ -39,7 +38,7 @@ static void take_in(struct component *component, const struct drawbar_estimate *
 
     if (FREE_INITIAL && POSE_STATES) {
         change_frame(body, &component->rti, reference->closest);
-        see_from_frame(body, &here, &ahead, samples);
+        state_in_frame(body, &here, &ahead, samples);
     }
     body_state(&here, body->estimated);
     nominal_state(body, ahead.closest);
@@ -89,7 +88,7 @@ int UNIT(feedback)(struct component *component, const struct drawbar_estimate *e
     plan->status = iteration_leave(&body->iteration, solver);
     body->predicts = plan->status == SOLVED;
     body->solved |= body->predicts;
-    if (!body->predicts)                   /* of a plan that failed only the initial state is known */
+    if (!body->predicts)                   /* only the initial state of a failed plan is valid */
         memcpy(first, iteration_begin(solver), NX * sizeof *first);
     if (body->predicts || !body->solved) {
         make_plan(component, plan);
