@@ -288,7 +288,7 @@ class ActuationSettings(Settings):
     """how many errors in a row say the same"""
     resolution: PositiveAngle = math.radians(0.3)
     """standard deviation of the measured steering angles, of their rounding for one, rad"""
-    residual: PositiveAngle = 0.1
+    odd: PositiveAngle = 0.1
     """error of a steering angle that no dead time and no lag explain, or motion that its sensor does not show: the
     sensor, the actuator or a driver, rad"""
     patience: Positive = 1.0
