@@ -89,12 +89,13 @@ static inline void slide_begin(struct slide *slide)
     slide_doubt(slide);
 }
 
-/* Side-slip by the slope to the east and to the north, rad, and by a curve, rad/g. */
+/* Side-slip by the slope to the east and to the north, rad, and by a curve, rad/g: axles drift out of it, never into it. What
+ * shows the opposite is an estimate that lags in a swing, and a model that believed it would let the swing grow. */
 static APART void slide_told(const struct slide *slide, double *told)
 {
     for (int i = 0; i < 2; ++i)
         told[i] = slide->value[i] + slide->value[SLIDE_CREEP] * slide->falls[i];
-    told[2] = slide->value[SLIDE_CREEP] + slide->value[SLIDE_CURVE];
+    told[2] = fmax(slide->value[SLIDE_CREEP] + slide->value[SLIDE_CURVE], 0.0);
 }
 
 /* At which angle to its left slope and curve draw an axle, rad. */
