@@ -7,6 +7,9 @@ from pydantic import Field, model_validator
 
 from drawbar.settings import Angle, Horizon, NonNegative, NonNegativeAngle, Positive, PositiveAngle, Settings, Share
 
+DRIFT_TIME = 0.2
+"""time over which `drift` states process noise, s"""
+
 Method = Literal["moving_horizon", "extended_kalman"]
 """Over a window with bounds, or recursively with clipping to the bounds"""
 
@@ -167,7 +170,7 @@ class ArticulatedPrior(Settings):
 
 
 class ArticulatedDrift(Settings):
-    """Process noise per sample, standard deviations."""
+    """Process noise over 0.2 s, standard deviations; over another sample time it grows with its square root."""
 
     position: NonNegative = 0.003
     """m"""
@@ -222,7 +225,7 @@ class ArticulatedEstimatorSettings(Settings):
     crab: PositiveAngle = 0.1
     """standard deviation with which each sample that lacks a fix takes both crab angles for zero, rad; with
     drift.crab and drift.slope it sets how soon an angle that nothing shows any more is forgotten: within some
-    crab / hypot(drift.crab, drift.slope) samples"""
+    crab / hypot(drift.crab, drift.slope) samples at 5 Hz"""
     first_slip: Positive = 0.9
     """first guess of mu and kappa"""
     first_yaw_error: Angle = 0.0

@@ -89,12 +89,13 @@ static inline void slide_begin(struct slide *slide)
     slide_reset_covariance(slide);
 }
 
-/* The three coefficients in effect: side-slip by the slope, east and north, rad; by lateral acceleration, rad/g. */
+/* The three coefficients in effect: side-slip by the slope, east and north, rad; by lateral acceleration, rad/g, never negative:
+ * axles drift out of a curve. The opposite is an estimate that lags in an oscillation, which a model with it would amplify. */
 static APART void slide_coefficients(const struct slide *slide, double *coefficients)
 {
     for (int i = 0; i < 2; ++i)
         coefficients[i] = slide->value[i] + slide->value[SLIDE_CREEP] * slide->fall[i];
-    coefficients[2] = slide->value[SLIDE_CREEP] + slide->value[SLIDE_CURVE];
+    coefficients[2] = fmax(slide->value[SLIDE_CREEP] + slide->value[SLIDE_CURVE], 0.0);
 }
 
 /* Predicted side-slip of an axle, to its left, rad. */
