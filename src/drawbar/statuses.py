@@ -55,6 +55,7 @@ class Status(IntEnum):
     RANGE = 261, "wrong call: a number is beyond what is allowed"
     NO_RUN = 262, "wrong call: no run has begun, or it has ended"
     ELSEWHERE = 263, "wrong call: the vehicle is not on the new path at that place, or faces away from it"
+    UNALIGNED = 264, "wrong call: a pointer is not aligned as a double"
 
     @property
     def is_new_command(self) -> bool:

@@ -6,6 +6,7 @@
 #ifndef DRAWBAR_FIX_WEIGHTS_H
 #define DRAWBAR_FIX_WEIGHTS_H
 
+#include "apart.h"
 #include "rti.h"
 #include "signals.h"
 
@@ -20,7 +21,7 @@ struct fix_weights {
 static const int fix_output[FIX_OUTPUTS] = {Y_TRACTOR_X, Y_TRACTOR_Y, Y_TRAILER_X, Y_TRAILER_Y};
 
 /* Give all fixes their nominal weights. */
-static void fix_weights_reset(struct fix_weights *weights, struct rti *rti)
+static SELDOM void fix_weights_reset(struct fix_weights *weights, struct rti *rti)
 {
     for (int i = 0; i < FIX_OUTPUTS; ++i) {
         if (!weights->initialised)

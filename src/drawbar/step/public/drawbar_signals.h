@@ -46,6 +46,7 @@ enum drawbar_status {
     DRAWBAR_NO_RUN = 262,               /* wrong call: no run has begun, or it has ended */
     DRAWBAR_ELSEWHERE = 263,            /* wrong call: the vehicle is not on the new path at that place, or faces
                                          * away from it */
+    DRAWBAR_UNALIGNED = 264,            /* wrong call: a pointer is not aligned as a double */
 };
 
 /* What there is to say of a step that made a new command; each flag carries its text. */
