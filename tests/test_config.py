@@ -121,6 +121,7 @@ WRONG_VALUES = {
     "sensors.position=1e-9": ("sensors.position = 1e-09", "greater than or equal to 0.001"),
     "sensors.hitch_angle=1e-9": ("sensors.hitch_angle = 1e-09", "greater than or equal to 0.00001"),
     "vehicle.wheelbase=1400": ("vehicle.wheelbase = 1400", "millimetres? 1400 mm = 1.4 m"),
+    "vehicle.masts.trailer.up=8.2": ("vehicle.masts.trailer.up = 8.2", "feet? 8.2 ft = 2.50 m"),
     "vehicle.masts.tractor.up=250": ("vehicle.masts.tractor.up = 250", "millimetres? 250 mm = 0.25 m"),
     "vehicle.masts.trailer.left=-300.0": ("vehicle.masts.trailer.left = -300", "millimetres? -300 mm = -0.3 m"),
     "machine.kind=phisics": ("machine: 'kind' = 'phisics'", "'simulated', 'physics'"),

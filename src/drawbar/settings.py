@@ -60,8 +60,8 @@ def radians(value: float) -> float:
     return value
 
 
-LONGEST, FASTEST = 30.0, 20.0
-"""m of a vehicle's part, m/s: more than any tractor and trailer has"""
+LONGEST, HIGHEST, FASTEST = 30.0, 6.0, 20.0
+"""m of a vehicle's part, m of an antenna above the ground, m/s: more than any tractor and trailer has"""
 
 
 def metres(value: float) -> float:
@@ -69,6 +69,15 @@ def metres(value: float) -> float:
     if abs(value) > LONGEST:
         raise ValueError(
             f"{value} is not a length in metres up to {LONGEST:g} m; millimetres? {value:g} mm = {value / 1000:g} m"
+        )
+    return value
+
+
+def mast_height(value: float) -> float:
+    """Return the height of an antenna, m; raise ValueError for one that must be in another unit."""
+    if metres(value) > HIGHEST:
+        raise ValueError(
+            f"{value} m is higher than an antenna stands, {HIGHEST:g} m; feet? {value:g} ft = {0.3048 * value:.2f} m"
         )
     return value
 
@@ -90,6 +99,8 @@ Share = Annotated[float, Field(ge=0.0, le=1.0)]
 Length = Annotated[float, Field(gt=0.0), AfterValidator(metres)]
 """A length of a vehicle's part or a distance near it, m; one above 30 m is taken for millimetres and refused."""
 NonNegativeLength = Annotated[float, Field(ge=0.0), AfterValidator(metres)]
+MastHeight = Annotated[float, Field(ge=0.0), AfterValidator(mast_height)]
+"""Of an antenna above the ground, m; one above 6 m is taken for feet and refused."""
 Offset = Annotated[float, AfterValidator(metres)]
 """A length to either side, m."""
 Speed = Annotated[float, Field(gt=0.0), AfterValidator(metres_per_second)]

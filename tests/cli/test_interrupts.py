@@ -75,7 +75,7 @@ def test_what_is_moved_is_ended_in_order_where_the_terminal_hangs_up(command, tm
             pass
 
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
-    monkeypatch.setattr(check, "check", lambda *arguments: [Finding(device="all", received=True)])
+    monkeypatch.setattr(check, "check", lambda *arguments, **names: [Finding(device="all", received=True)])
     monkeypatch.setattr(wiggle, "wiggle_both", moved)
     monkeypatch.setattr(push_calibration, "ReceiverMotion", Closing)
     monkeypatch.setattr(push_calibration, "open_bare_valve", Closing)

@@ -220,6 +220,16 @@ def test_the_worst_cause_has_the_last_word():
     assert (engagement.state, engagement.cause) == (ESTOP, Cause.EMERGENCY)
 
 
+@pytest.mark.parametrize("why", [Cause.SILENT, Cause.OTHER_MASTER, Cause.LOCKED_OUT, Cause.TOO_NEW])
+def test_an_actuator_that_released_and_says_why_is_not_said_to_have_released_by_itself(why):
+    engagement = brought_to(ACTIVE)
+    engagement.update(100.05, Situation(causes=(Cause.ACTUATOR_RELEASED, why)))
+    assert (engagement.state, engagement.cause) == (FAULT, why)
+    engagement = brought_to(ACTIVE)
+    engagement.update(100.05, Situation(causes=(Cause.LINE_LOST, Cause.ACTUATOR_RELEASED)))
+    assert (engagement.state, engagement.cause) == (FAULT, Cause.ACTUATOR_RELEASED)
+
+
 @pytest.mark.parametrize("state", list(SupervisorState), ids=lambda each: each.name)
 @pytest.mark.parametrize("cause", sorted(FATAL, key=lambda each: each.value), ids=lambda each: each.name)
 def test_fatal_causes_are_faults_everywhere(state, cause):

@@ -3,10 +3,12 @@
 import math
 
 import pytest
+import setting_looks
 from gate_bench import Bench
 
 from drawbar.messages import Mode, SupervisorState
 from drawbar.protocols.actuator import Readiness, SteeringReport
+from drawbar.safety.causes import Cause
 from drawbar.safety.engagement import STEERING
 from drawbar.safety.settings import SafetySettings
 from drawbar.safety.watch import Watch, agrees, largest
@@ -115,3 +117,13 @@ def test_late_steps_are_those_of_the_last_seconds_of_this_controller():
     bench.controller = {"overruns": 0}
     bench.run(1.0)
     assert overruns() == 0
+
+
+def test_a_position_that_is_not_believed_refuses_to_engage_and_a_drive_goes_on():
+    told = {"notices": (Cause.POSITION_REJECTED.value, *[0] * 7)}
+    assert setting_looks.refuses(Cause.POSITION_REJECTED, **told)(SafetySettings())
+    assert not setting_looks.refuses(Cause.POSITION_REJECTED)(SafetySettings())
+    bench = Bench(SafetySettings()).drive()
+    bench.controller = told
+    bench.run(1.0)
+    assert bench.state is SupervisorState.ACTIVE

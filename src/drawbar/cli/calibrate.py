@@ -21,6 +21,10 @@ if TYPE_CHECKING:
 
 _NOTED_LATENCY = 0.02
 """of fixes, from which on it is worth a setting, s"""
+_FAR = 0.1
+"""share of a drive too far from the line, from which on it is told"""
+WIDE = ("--set guidance.maximum_start_distance=900", "--set sanity.lost=1000")
+"""with which a drive by hand estimates far from its line, too"""
 
 
 def calibrate(
@@ -67,7 +71,15 @@ def _in_log(log: FilePath) -> "list[CalibrationResult]":
         raise ConfigurationError(f"{log}: was not recorded on a machine; give the log of a `drawbar drive`")
     with open_drive(log) as records:
         states = [each for each in records if isinstance(each, GateState) and each.steers]
-    return [*evaluate(recorded, HandDrive.of(content)), *dead_bands(states)]
+    drive = HandDrive.of(content)
+    if drive.far_from_line > _FAR:
+        console.print(
+            f"in {100.0 * drive.far_from_line:.0f} % of the drive the vehicle was too far from the line, where nothing "
+            f"is estimated: drive again, without engaging, by `drawbar drive {' '.join(WIDE)}`",
+            style="yellow",
+            soft_wrap=True,
+        )
+    return [*evaluate(recorded, drive), *dead_bands(states)]
 
 
 def _pushed(config: "Configuration") -> "list[CalibrationResult]":

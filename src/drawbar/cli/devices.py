@@ -42,7 +42,9 @@ def check(
 
     config = _with_devices(configuration, changes)
     assert config.devices is not None
-    if not _tell(checking.check(config.devices, local_frame(config), seconds, config.sample_time)):
+    oldest = config.safety.engage.correction_age
+    frame = local_frame(config)
+    if not _tell(checking.check(config.devices, frame, seconds, config.sample_time, oldest=oldest)):
         raise SystemExit(1)
     console.print("every device reports, and nothing is missing", style="green")
     if store and not _store(config.devices):
@@ -86,7 +88,8 @@ def _wiggle(config: "Configuration") -> bool:
     from drawbar.driving.preparation.wiggle_record import forget_passed, keep_passed
 
     console.print(
-        "The wiggle test turns the front wheels, then the joint, by 2° to both sides. Roll straight ahead at "
+        "The wiggle test turns the front wheels, then the joint, by 2° to the left first, to the right and back: watch "
+        "whether they do, since a sensor and a motor that are both the wrong way round pass. Roll straight ahead at "
         f"{SLOWEST} to {FASTEST} m/s, somebody on the seat, nobody near the machine; it begins once the vehicle rolls, "
         f"within {ROLLS:.0f} s. Ctrl-C ends it."
     )

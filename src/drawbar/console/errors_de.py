@@ -256,6 +256,8 @@ ERRORS_DE: Mapping[str, str] = {
     "has no key {}; its keys are: {}": "kennt {0} nicht; bekannt sind: {1}",
     "{}a number must be 0, or from {} to {} with either sign":
         "{0}eine Zahl muss 0 sein oder auf einer Seite davon {1} bis {2}",
+    "{} m is higher than an antenna stands, {} m; feet? {} ft = {} m":
+    "{} m ist höher, als eine Antenne steht, {} m; Fuß? {} ft = {} m",
     "{} is not a length in metres up to {} m; millimetres? {} mm = {} m":
         "{0} m ist zu lang, höchstens {1} m; sind das Millimeter? {2} mm = {3} m",
     "{} is not an angle in radians within ±π; degrees? {}° = {} rad":

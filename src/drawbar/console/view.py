@@ -94,7 +94,7 @@ def board(
     latched, ready = state in LATCHED, state is SupervisorState.READY
     driving = state in STEERING
     reasons = ((words("next_ready"), ""),) if ready and drives else _reasons(gate, words)
-    reasons += tuple(map(words.cause, notices(controller)))
+    reasons += tuple(map(words.cause, notices(controller, gate)))
     return Board(
         word=words(state.name),
         symbol=_SYMBOLS[state],

@@ -15,10 +15,15 @@ from pydantic_core import PydanticUndefined
 
 from drawbar.config import Configuration
 from drawbar.declared_words import declared_words
-from drawbar.settings import FASTEST, LONGEST, Settings, metres, metres_per_second, radians
+from drawbar.settings import FASTEST, HIGHEST, LONGEST, Settings, mast_height, metres, metres_per_second, radians
 
 _UNIT = r"(?:1/)?(?:rad|m|s)[²³]?(?:/(?:rad|m|s|\(m s\))[²³]?)?"
-_WITHIN: dict[Any, str] = {radians: f"±{math.pi:.4g}", metres: f"±{LONGEST:g}", metres_per_second: f"±{FASTEST:g}"}
+_WITHIN: dict[Any, str] = {
+    radians: f"±{math.pi:.4g}",
+    metres: f"±{LONGEST:g}",
+    mast_height: f"±{HIGHEST:g}",
+    metres_per_second: f"±{FASTEST:g}",
+}
 """what the validators of numbers allow"""
 
 

@@ -104,7 +104,7 @@ class Cause(Enum):
         "wait until the positions are right again; check base station and mount point")
     POSITIONS_DRIFT = (218, False, Response.NOTIFY, "the positions drift aside of the receivers' velocities",
         "compare them with a place that is known; check base station and mount point")
-    POSITION_REJECTED = (219, False, Response.NOTIFY, "an antenna's position contradicts the motion, and is rejected",
+    POSITION_REJECTED = (219, True, Response.NOTIFY, "an antenna's position contradicts the motion, and is rejected",
         "see whether its mast and cable are firm and its sky is open")
     TRAILER_CONTRADICTS = (220, False, Response.NOTIFY, "the angles of hitch and joint contradict the motion",
         "check both sensors, their linkages and cables, then calibrate them again")

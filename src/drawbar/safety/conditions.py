@@ -86,6 +86,8 @@ class Observation:
     """since the last word of the operator who engaged; before that, of any"""
     backwards: bool = False
     """the antennas move backwards, by what the controller says"""
+    rejected: bool = False
+    """the position of one antenna is not believed, by what the controller says"""
     not_following: bool = False
     """a steering contradicts its commands, by what the controller says, which has ended its run for it while driving"""
     recording: bool = False
@@ -124,6 +126,7 @@ _PRESENT: dict[Cause, Present] = {
     Cause.HITCH_ANGLE: lambda o, s: not (abs(o.hitch_angle) <= s.engage.hitch_angle),
     Cause.HITCH_FOLDED: lambda o, s: not (abs(o.hitch_angle) <= s.drive.hitch_angle),
     Cause.RECEIVERS_SWAPPED: lambda o, s: o.backwards,
+    Cause.POSITION_REJECTED: lambda o, s: o.rejected,
     Cause.SENSORS_LOST: lambda o, s: not (o.speed_received or o.fix_age <= s.timing.fix + s.timing.speed),
     Cause.TOO_SLOW: lambda o, s: not (o.drives or o.speed >= s.engage.speed),
     Cause.TOO_FAST: lambda o, s: o.speed > s.envelope.speed,
@@ -157,6 +160,9 @@ def present(observation: Observation, settings: SafetySettings) -> tuple[Cause, 
 
 
 def worst(causes: tuple[Cause, ...]) -> tuple[Response, Cause | None]:
-    """Return the strongest response that the causes ask for while driving, and the first cause that asks for it."""
-    strongest = max(causes, key=lambda cause: cause.response, default=None)
+    """Return the strongest response that the causes ask for while driving, and the first cause that asks for it.
+
+    That an actuator has released is what all its troubles look like: any other cause says more.
+    """
+    strongest = max(causes, key=lambda cause: (cause.response, cause is not Cause.ACTUATOR_RELEASED), default=None)
     return (Response.NONE, None) if strongest is None else (strongest.response, strongest)

@@ -7,6 +7,7 @@ from typing import Any
 
 from drawbar.messages import CommandMessage, ControllerState, Heartbeat, Mode, Role, SupervisorState, seconds
 from drawbar.protocols.actuator import Readiness, SteeringReport
+from drawbar.safety.causes import Cause
 from drawbar.safety.conditions import Observation
 from drawbar.safety.engagement import STEERING
 from drawbar.safety.envelope import is_after
@@ -133,6 +134,7 @@ class Watch:
             "heading_error": largest(state.tractor_heading_error, state.trailer_heading_error),
             "hitch_angle": state.hitch_angle,
             "backwards": state.status == Status.BACKWARDS,
+            "rejected": Cause.POSITION_REJECTED.value in state.notices,
             # while it stops, the gate may have limited what the controller commanded
             "not_following": state.status == Status.STEERING and supervisor is not SupervisorState.STOPPING,
             "wiggled": state.wiggled == 1,

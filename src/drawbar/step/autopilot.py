@@ -1,6 +1,7 @@
 """The autopilot in Python: feeds, asks and records the control step, whose order stands in control_step.h."""
 
 import ctypes
+from typing import NamedTuple
 
 from drawbar.control.external import External
 from drawbar.errors import DrawbarError, PathError, demand, demand_number
@@ -11,6 +12,14 @@ from drawbar.step.library import StepLibrary
 from drawbar.step.record import RecordReader
 
 _MEASUREMENT, _COMMAND, _ESTIMATE = Layout(Measurement), Layout(Command), Layout(Estimate)
+
+
+class Memory(NamedTuple):
+    """What an autopilot remembers of a run."""
+
+    library: tuple[bytes, ...]
+    number: int
+    """of its newest step"""
 
 
 class Autopilot:
@@ -106,13 +115,14 @@ class Autopilot:
         """
         self.library.call("set_engaged", ctypes.c_int32(engaged))
 
-    def remember(self) -> tuple[bytes, ...]:
+    def remember(self) -> Memory:
         """Return what it remembers of the run, for `recall`."""
-        return self.library.remember()
+        return Memory(self.library.remember(), self._number)
 
-    def recall(self, memory: tuple[bytes, ...]) -> None:
+    def recall(self, memory: Memory) -> None:
         """Remember again what it did; it must be on the same path as then. A user's own controller forgets nothing."""
-        self.library.recall(memory)
+        self.library.recall(memory.library)
+        self._number = memory.number
 
     def give(self, estimate: Estimate) -> None:
         """Give the next sample's estimate to an autopilot whose estimator is ideal.

@@ -5,7 +5,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from drawbar.settings import Length, NonNegativeLength, Offset, Positive, PositiveAngle, Settings
+from drawbar.settings import Length, MastHeight, NonNegativeLength, Offset, Positive, PositiveAngle, Settings
 
 SteeringAngle = Annotated[PositiveAngle, Field(lt=math.radians(80.0))]
 """A steering angle that still steers: wheels across the direction of motion do not roll."""
@@ -23,7 +23,7 @@ class Mast(Settings):
     """m"""
     left: Offset = 0.0
     """m"""
-    up: NonNegativeLength = 0.0
+    up: MastHeight = 0.0
     """height above the ground; 0: it is not known, and roll and pitch are not corrected for, m"""
     roll_offset: MountingAngle = 0.0
     """what the body's attitude sensor shows as roll while the body stands level, rad"""

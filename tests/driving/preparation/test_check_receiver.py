@@ -3,6 +3,7 @@
 import dataclasses
 import datetime
 import math
+import re
 import socket
 
 import numpy as np
@@ -38,7 +39,9 @@ def finding_of(monkeypatch, told, rate=5.0, sample_time=0.2, write=None, alone=F
     monkeypatch.setattr(check_receiver, "open_transport", lambda _: line)
     monkeypatch.setattr(check_receiver, "poll_times", lambda *_: iter([10.0, 11.0, 12.0]))
     settings, frame = ReceiverSettings(transport="file:memory"), LocalFrame(latitude=50.0, longitude=4.0)
-    return check_receiver.check_receiver("tractor receiver", settings, frame, 1.0, sample_time, None, alone=alone)
+    return check_receiver.check_receiver(
+        "tractor receiver", settings, frame, 1.0, sample_time, None, oldest=5.0, alone=alone
+    )
 
 
 def facts_of(monkeypatch, **changes):
@@ -93,6 +96,38 @@ def test_the_age_of_corrections_is_told(monkeypatch):
     assert finding.problems == []
 
 
+@pytest.mark.parametrize(("age", "told"), [(4.9, ""), (5.1, "5 s old"), (24.0, "24 s old")])
+def test_corrections_too_old_to_engage_with_are_told(monkeypatch, age, told):
+    finding = finding_of(
+        monkeypatch,
+        lambda step, time: b"".join(nmea.sentences(dataclasses.replace(report_at(time), correction_age=age))),
+    )
+    missing = f"its corrections are {told}, and drawbar engages up to 5 s: check modem, caster and mount point"
+    assert finding.problems == ([missing] if told else [])
+
+
+def test_corrections_of_2_to_5_s_of_a_u_blox_receiver_are_not_too_old(monkeypatch):
+    # it says no more than this class of the age
+    told = lambda step, time: b"".join(ubx.frames(dataclasses.replace(report_at(time), correction_age=4.0)))  # noqa: E731
+    finding = finding_of(monkeypatch, told, write=lambda data: True)
+    assert "corrections 4 s old" in finding.facts
+    assert finding.problems == []
+
+
+@pytest.mark.parametrize(("decimals", "enough"), [(7, True), (6, True), (5, False), (4, False)])
+def test_positions_with_too_few_decimals_are_told(monkeypatch, decimals, enough):
+    def told(step, time):
+        cut = re.sub(r"(\d{4,5}\.)(\d{7,8}),([NE])", lambda m: f"{m[1]}{m[2][:decimals]},{m[3]}", sentences(time))
+        return b"".join(nmea.sentence(line[1:].split("*")[0]) for line in cut.split())
+
+    def sentences(time):
+        return b"".join(nmea.sentences(report_at(time))).decode()
+
+    problems = finding_of(monkeypatch, told).problems
+    assert (problems == []) is enough
+    assert enough or problems[-1].startswith("positions come in steps of 0.")
+
+
 @pytest.mark.parametrize(
     ("rate", "sample_time", "enough"), [(5, 0.2, True), (4, 0.2, False), (10, 0.2, True), (5, 0.1, False)]
 )
@@ -118,7 +153,9 @@ def test_receivers_that_differ_about_the_time_are_told(monkeypatch, apart, told)
 
     monkeypatch.setattr(check_receiver, "open_transport", line)
     monkeypatch.setattr(check_receiver, "poll_times", lambda *_: iter([10.0, 11.0, 12.0]))
-    findings = list(check.check(isobus_devices(gnss="file:memory"), LocalFrame(latitude=50.0, longitude=4.0), 0.1, 0.2))
+    findings = list(
+        check.check(isobus_devices(gnss="file:memory"), LocalFrame(latitude=50.0, longitude=4.0), 0.1, 0.2, oldest=5.0)
+    )
     problems = [problem for finding in findings[:2] for problem in finding.problems]
     assert (f"its time is {told} from" in "".join(problems)) is bool(told), problems
 
@@ -158,7 +195,7 @@ def test_a_receiver_on_a_board_that_is_sent_no_corrections_is_told(monkeypatch, 
     monkeypatch.setattr(
         check, "check_receiver", lambda name, *_, **__: Finding(device=name, received=True, fixed=fixed)
     )
-    tractor, trailer = list(check.check(devices, devices.origin.frame(), 0.01, 0.2))[:2]
+    tractor, trailer = list(check.check(devices, devices.origin.frame(), 0.01, 0.2, oldest=5.0))[:2]
     assert len(tractor.problems) == told
     assert all(f"{sender or 'ADDRESS'}:2233" in problem for problem in tractor.problems)
     assert not trailer.problems, "it takes corrections over its own line"

@@ -1,14 +1,18 @@
 """`drawbar calibrate` and `drawbar identify`: drives whose truth is known."""
 
 import math
+from contextlib import nullcontext
 from dataclasses import fields, replace
 from datetime import date
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from serpentine import serpentine
 from typer.testing import CliRunner
 
+from drawbar.cli import calibrate as cli_calibrate
+from drawbar.cli.calibrate import WIDE
 from drawbar.cli.main import app
 from drawbar.config import load_configuration
 from drawbar.driving.preparation.calibrated_file import calibrated_file, calibrated_text
@@ -133,6 +137,29 @@ def test_what_was_not_driven_is_refused_with_what_to_drive(machine):
     assert all(not each.sets for each in turning.values())
     nothing = replace(drive, front_wheels=np.full(len(drive.times), math.nan), roll=np.full(len(drive.times), math.nan))
     assert not {"front wheels: scale", "tractor: mounting roll"} & set(all_found(machine, nothing))
+
+
+def test_a_drive_far_from_the_line_is_told_with_settings_that_estimate_there(machine, monkeypatch, tmp_path):
+    # a run ends 6 m from the line, where circles soon are, and nothing is estimated any more
+    drive = driven(machine)
+    lost = replace(drive, x=np.where(drive.times > drive.times[100], math.nan, drive.x))
+    assert drive.far_from_line == 0.0
+    assert lost.far_from_line == pytest.approx(1.0 - 101 / len(drive.times))
+    changed = load_configuration("articulated", [each.removeprefix("--set ") for each in WIDE])
+    assert changed.sanity.lost > changed.guidance.maximum_start_distance > 500.0
+
+    told = []
+    content = SimpleNamespace(header=SimpleNamespace(configuration={}))
+    monkeypatch.setattr("drawbar.recording.log.read_log", lambda log: content)
+    monkeypatch.setattr("drawbar.config.recorded_configuration", lambda *_: machine)
+    monkeypatch.setattr("drawbar.recording.drive_records.open_drive", lambda log: nullcontext([]))
+    monkeypatch.setattr(cli_calibrate.console, "print", lambda text, **_: told.append(text))
+    for each in (drive, lost):
+        monkeypatch.setattr(HandDrive, "of", lambda content, each=each: each)
+        cli_calibrate._in_log(tmp_path)
+    (text,) = told
+    assert text.startswith(f"in {100.0 * lost.far_from_line:.0f} % of the drive the vehicle was too far from the line")
+    assert all(each in text for each in WIDE)
 
 
 def test_s_curves_show_where_the_antenna_stands(machine):

@@ -167,7 +167,7 @@ def test_a_service_without_a_home_keeps_it_in_the_folder_that_systemd_gives_it(m
 def test_nothing_is_moved_where_a_pass_cannot_be_kept(machine, tmp_path, monkeypatch):
     file = tmp_path / "my.toml"
     file.write_text(machine.to_toml(), "utf-8")
-    monkeypatch.setattr(check, "check", lambda *arguments: [Finding(device="all", received=True)])
+    monkeypatch.setattr(check, "check", lambda *arguments, **names: [Finding(device="all", received=True)])
     monkeypatch.setattr(wiggle, "wiggle_both", lambda configuration: pytest.fail("it was moved"))
     monkeypatch.setenv("XDG_STATE_HOME", "/proc/nowhere")
     result = CliRunner().invoke(app, ["check", str(file), "--wiggle"], input="y\ny\n")
@@ -179,7 +179,7 @@ def test_nothing_is_moved_where_a_pass_cannot_be_kept(machine, tmp_path, monkeyp
 def test_the_command_asks_twice(machine, tmp_path, monkeypatch, answers):
     file, moved = tmp_path / "my.toml", []
     file.write_text(machine.to_toml(), "utf-8")
-    monkeypatch.setattr(check, "check", lambda *arguments: [Finding(device="all", received=True)])
+    monkeypatch.setattr(check, "check", lambda *arguments, **names: [Finding(device="all", received=True)])
 
     def both(configuration):
         moved.append(configuration)
@@ -202,7 +202,24 @@ def test_both_steerings_are_wiggled_with_one_receiver_or_two(monkeypatch, receiv
         devices = configuration.devices.model_copy(update={"trailer_receiver": None})
         configuration = configuration.model_copy(update={"devices": devices})
     asked = []
-    monkeypatch.setattr(wiggle, "carry_out", lambda wires, body, speed: asked.append((body, speed(0.0))))
+
+    def carried_out(wires, body, speed):
+        asked.append((body, speed(0.0)))
+        return tried()[0].judged()
+
+    monkeypatch.setattr(wiggle, "carry_out", carried_out)
     assert len(list(wiggle.wiggle_both(configuration))) == 2
     assert [body for body, _ in asked] == [0, 1]
     assert all(math.isnan(speed) for _, speed in asked)
+
+
+def test_the_joint_is_not_moved_after_the_operator_took_over_at_the_front_wheels(monkeypatch):
+    asked = []
+
+    def taken_over(wires, body, speed):
+        asked.append(body)
+        return tried(change=lambda now, board: board.override() if 2.5 < now < 2.6 else None)[0].judged()
+
+    monkeypatch.setattr(wiggle, "carry_out", taken_over)
+    ((name, found),) = wiggle.wiggle_both(with_stand_ins(load_configuration("articulated")))
+    assert (name, found.refusals, asked) == ("front wheels", ("the operator took over",), [0])

@@ -132,6 +132,21 @@ def released_after(rehearsal, longest):
     return rehearsal.time - begin
 
 
+def test_a_driver_who_halts_in_a_curve_and_drives_on_is_steered_all_the_time():
+    # a board turns no wheel of a vehicle that stands
+    rehearsal, path = rehearse()
+    drive_until(rehearsal, SupervisorState.ACTIVE)
+    driver, steps, states = rehearsal.machine.driver, [], set()
+    for speed, duration in ((1.0, 20.0), (0.0, 12.0), (1.0, 20.0)):
+        driver._speed = speed
+        for step in rehearsal.run(duration):
+            steps.append(step)
+            states.add(rehearsal.gate_state.state)
+    assert states == {SupervisorState.ACTIVE}
+    assert sum(abs(truth.speed) < 0.01 for _, truth in steps) > 40
+    assert errors(steps, path).max() < 0.08
+
+
 @pytest.mark.parametrize("late", ["controller", "operator"])
 def test_what_comes_late_is_heard_all_the_same(late):
     rehearsal, _ = rehearse()

@@ -159,8 +159,10 @@ def test_receivers_have_no_rtk_fix_without_the_corrections_that_they_wait_for(co
     with served(file, tmp_path):
         devices, frame = configuration.devices, local_frame(configuration)
         alone = devices.model_copy(update={"corrections": None})
-        without = heard(lambda: next(check(alone, frame, 1.0, configuration.sample_time)))
-        findings = {finding.device: finding for finding in check(devices, frame, 3.0, configuration.sample_time)}
+        without = heard(lambda: next(check(alone, frame, 1.0, configuration.sample_time, oldest=5.0)))
+        findings = {
+            finding.device: finding for finding in check(devices, frame, 3.0, configuration.sample_time, oldest=5.0)
+        }
     assert "fix single" in "; ".join(without.facts)
     assert any("no RTK fix" in problem for problem in without.problems)
     assert "fix fixed" in "; ".join(findings["tractor receiver"].facts)

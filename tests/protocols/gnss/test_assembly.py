@@ -367,6 +367,15 @@ def test_the_finer_of_two_positions_is_taken_with_the_quality_of_the_other(repor
     assert (unknown.quality, unknown.has_fix) == (FixQuality.UNKNOWN, True)
 
 
+@pytest.mark.parametrize(("decimals", "quality"), [(5, FixQuality.FIXED), (4, FixQuality.FLOAT), (2, FixQuality.FLOAT)])
+def test_a_fixed_position_in_coarse_steps_counts_as_float(report: Maker, decimals: int, quality: FixQuality) -> None:
+    fields = nmea.gga(report()).decode()[1:].split("*")[0].split(",")
+    for place in (2, 4):
+        fields[place] = fields[place][: fields[place].index(".") + 1 + decimals]
+    (epoch,) = run(EpochStream(EpochSettings()), [(10.0, [nmea.sentence(",".join(fields))])])
+    assert epoch.quality is quality
+
+
 def test_no_direction_below_walking_pace(report: Maker) -> None:
     for speed, is_known in ((0.29, False), (0.31, True)):
         (epoch,) = run(EpochStream(EpochSettings()), [(10.0, nmea.sentences(report(speed=speed)))])

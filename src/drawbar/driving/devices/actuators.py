@@ -1,8 +1,11 @@
 """Actuators: the wires to what the devices of a configuration steer and drive with. Without numpy: the gate uses it."""
 
 import time
+from collections.abc import Iterable
+from contextlib import suppress
 
 from drawbar.driving.messaging.process_options import GateOptions
+from drawbar.errors import HardwareError
 from drawbar.machine.hardware.isobus import IsobusSettings, guidance_valve
 from drawbar.machine.hardware.sentences import SentenceRelay
 from drawbar.machine.hardware.shared_socket import own_sources, share
@@ -11,7 +14,7 @@ from drawbar.protocols.agopengps.network import COMPUTER_PORT
 from drawbar.protocols.isobus.speed_actuator import MachineSpeed
 from drawbar.protocols.listened import ListenedSteering
 from drawbar.safety.wires import Wire
-from drawbar.transports.base import CanBus
+from drawbar.transports.base import CanBus, Transport
 from drawbar.transports.clock import Clock
 from drawbar.transports.open import open_can, open_transport
 from drawbar.transports.udp import UdpTransport
@@ -44,11 +47,24 @@ def board_wires(
         relayed = SentenceRelay(line, sentences) if sentences else line
         peers = [board.destination for board in here.values()]
         own = own_sources(peers, COMPUTER_PORT)
-        for (body, board), transport in zip(here.items(), share(relayed, peers), strict=True):
+        ears = [] if listens else _ears(here.values(), clock)
+        for (body, board), transport in zip(here.items(), share(relayed, peers, ears), strict=True):
             actuator = board.actuator(own)
             tractor, trailer = (actuator, None) if body == "tractor" else (None, actuator)
             opened.append(Wire(transport=transport, tractor=tractor, trailer=trailer))
     return opened
+
+
+def _ears(boards: Iterable[SteerBoardSettings], clock: Clock) -> list[Transport]:
+    """Open the sockets on which another computer is heard that broadcasts set points to the boards.
+
+    Where a program has the port, or this computer is not in that network, there is none.
+    """
+    ears: list[Transport] = []
+    for address in sorted({board.broadcasts for board in boards}):
+        with suppress(HardwareError):
+            ears.append(open_transport(address, clock))
+    return ears
 
 
 def isobus_wire(settings: IsobusSettings, speed_limit: float | None, bus: CanBus | None = None) -> Wire:

@@ -10,7 +10,7 @@ from collections import deque
 from collections.abc import Callable
 
 from drawbar.signals import Command, Measurement, Status
-from drawbar.step.autopilot import Autopilot
+from drawbar.step.autopilot import Autopilot, Memory
 
 SPAN = 2.0
 """s"""
@@ -22,7 +22,7 @@ class Rollback:
     def __init__(self, autopilot: Autopilot, sample_time: float) -> None:
         """Begin without a sample; `sample_time` in s."""
         self._autopilot = autopilot
-        self._samples = deque[tuple[tuple[bytes, ...], Measurement, Command]](maxlen=max(round(SPAN / sample_time), 1))
+        self._samples = deque[tuple[Memory, Measurement, Command]](maxlen=max(round(SPAN / sample_time), 1))
 
     def feedback(self, measurement: Measurement) -> tuple[Status, Command]:
         """Return the autopilot's answer to a measurement; keep both, and what it remembered before."""

@@ -25,6 +25,8 @@ VALIDITY = 190_000_000
 """for how long a command may act without a new one, ns"""
 _NEAR = 5.0
 """along the line, within which the place beside the vehicle is searched when the line is moved, m"""
+_STANDS = 0.1
+"""speed below which the vehicle stands, m/s; AgOpenGPS boards steer from 0.06 on"""
 _LATER = 3.0
 """times the standard deviation at which the gate stops the vehicle, at which the step itself gives up"""
 _STEERED = (SupervisorState.ENGAGING, SupervisorState.ACTIVE, SupervisorState.DEGRADED, SupervisorState.STOPPING)
@@ -49,6 +51,7 @@ class Controller:
             DrawbarError: the autopilot cannot be built.
         """
         self._configuration, self._fingerprint = configuration, fingerprint
+        self._drives = configuration.devices is not None and configuration.devices.speed == "isobus"
         self._line, self._restart_path = DrivenLine.first(configuration, path), False
         self._requested_line: tuple[float, float] | None = None
         """the line that was chosen and its nudge, m"""
@@ -57,6 +60,8 @@ class Controller:
         self._autopilot = build_autopilot(_steering_on(within_envelope(configuration)))
         self._autopilot.begin(path)
         self._autopilot.set_engaged(False)
+        self._stands = False
+        """the driver has halted"""
         self._uncertainty_of = uncertainty_of(self._autopilot, configuration)
         self.uncertainty = Uncertainty()
         """of the newest estimate"""
@@ -93,6 +98,7 @@ class Controller:
         self._notices.hear(state)
         if self.engaged != before:
             self._autopilot.set_engaged(self.engaged)
+            self._stands = False
             self._rollback.clear()
             self._requested_line = None  # what was not possible may be now
         self._choose_line(state.line * self._configuration.path.working_width, state.nudge)
@@ -111,9 +117,21 @@ class Controller:
             self._begin_beside(measurement)
         if self.engaged:
             measurement = self._believed(measurement)
+            self._halt(measurement)
         self._status, self._command = self._rollback.feedback(measurement)
         self._measurement = measurement
         return self.repeat(now)
+
+    def _halt(self, measurement: Measurement) -> None:
+        """Let the steering rest, as measured, while the driver halts: boards and valves turn no wheel then.
+
+        Else commands and angles would go apart, as if a steering did not follow or a sensor were wrong.
+        """
+        stands = not self._drives and abs(measurement.speed) < _STANDS
+        if stands is not self._stands:
+            self._stands = stands
+            self._autopilot.set_engaged(not stands)
+            self._rollback.clear()
 
     def _believed(self, measurement: Measurement) -> Measurement:
         """Return a measurement without what is excluded, with positions by dead reckoning where they drift."""

@@ -39,7 +39,7 @@ def picture(state: GateState | None, controller: ControllerState | None, refusal
     State, errors, what stands against engaging, what there is to tell of sensors, why the newest key was refused, keys.
     """
     lines = [*_state(state, controller), *_numbers(controller), *map(reason, refusals(state) if state else ())]
-    lines += map(reason, notices(controller))
+    lines += map(reason, notices(controller, state))
     if refusal is not None:
         lines.append(Text(f"refused: {refusal.sentence}: {refusal.advice}", style="yellow"))
     lines.append(Text(KEYS, style="dim"))
@@ -70,9 +70,10 @@ def refusals(state: GateState) -> list[Cause]:
     return [BY_CODE[code] for code in state.refusals if code]
 
 
-def notices(controller: ControllerState | None) -> list[Cause]:
-    """Return what the controller reports of sensors."""
-    return [BY_CODE[code] for code in controller.notices if code in BY_CODE] if controller else []
+def notices(controller: ControllerState | None, state: GateState | None) -> list[Cause]:
+    """Return what the controller reports of sensors, but for what the gate says itself."""
+    said = state.refusals if state else ()
+    return [BY_CODE[code] for code in controller.notices if code in BY_CODE and code not in said] if controller else []
 
 
 def reason(cause: Cause) -> Text:

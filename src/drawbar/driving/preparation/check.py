@@ -8,7 +8,7 @@ import time
 from collections.abc import Iterator
 from functools import partial
 
-from drawbar.driving.devices.actuators import isobus_wire
+from drawbar.driving.devices.actuators import board_wires, isobus_wire
 from drawbar.driving.preparation.check_receiver import check_receiver, not_forwarded, other_time
 from drawbar.driving.preparation.finding import Finding, finding_of, poll_times, tell_silence
 from drawbar.errors import HardwareError
@@ -28,6 +28,7 @@ from drawbar.protocols.bare_valve import ValveBoard
 from drawbar.protocols.sensors import SensorFault
 from drawbar.protocols.speed_actuator import SpeedRequest
 from drawbar.safety.wires import Wires
+from drawbar.transports.base import Transport
 from drawbar.transports.open import open_transport
 
 _SLOW = 1.0
@@ -42,7 +43,9 @@ _OFF = SteeringRequest(steer=False, angle=0.0, speed=0.0)
 _STOP = SpeedRequest(drive=False, speed=0.0, deceleration=1.0)
 
 
-def check(devices: DeviceSettings, frame: LocalFrame, seconds: float, sample_time: float) -> Iterator[Finding]:
+def check(
+    devices: DeviceSettings, frame: LocalFrame, seconds: float, sample_time: float, *, oldest: float
+) -> Iterator[Finding]:
     """Yield what was found out about each device.
 
     Args:
@@ -50,6 +53,7 @@ def check(devices: DeviceSettings, frame: LocalFrame, seconds: float, sample_tim
         frame: of the path.
         seconds: to listen to each device.
         sample_time: of the controller, s.
+        oldest: corrections with which to engage, s.
 
     A device whose port is taken, or whose recording cannot be read, is a finding, and the others are listened to.
 
@@ -60,9 +64,8 @@ def check(devices: DeviceSettings, frame: LocalFrame, seconds: float, sample_tim
 
     def receiver(name: str, settings: ReceiverSettings) -> Finding:
         alone = devices.trailer_receiver is None
-        finding = finding_of(
-            name, lambda: check_receiver(name, settings, frame, seconds, sample_time, corrections, alone=alone)
-        )
+        look = partial(check_receiver, name, settings, frame, seconds, sample_time, corrections)
+        finding = finding_of(name, partial(look, oldest=oldest, alone=alone))
         if finding.received and not finding.fixed:
             finding.problems += not_forwarded(settings, devices)
         return finding
@@ -142,24 +145,25 @@ def _perhaps(reply: ScanReply) -> str:
 
 def listen_to_board(name: str, settings: SteerBoardSettings, seconds: float) -> Finding:
     """Return what a board reports that is sent "not steering" for so many seconds."""
-    finding, board = Finding(device=name), settings.actuator()
-    transport, tick = open_transport(settings.transport), 0.0
+    finding, tick = Finding(device=name), 0.0
+    (wire,) = board_wires({"tractor": settings})
+    wires, transport = Wires([wire]), wire.transport
+    assert isinstance(transport, Transport)
     for now in poll_times(seconds):
-        for received in transport.read():
-            board.receive(received.time, received.data, received.source)
+        wires.receive()
         if now >= tick:
             tick = now + _TICK
-            for frame in board.send(now, _OFF):
-                transport.write(frame)
-    report = board.report(time.monotonic())
+            wires.send(now, (_OFF, _OFF), _STOP)
+    report, _ = wires.steering(time.monotonic())
+    assert report is not None
     finding.received = math.isfinite(report.angle_time)
     if finding.received:
         finding.facts.append(f"angle {math.degrees(report.angle):.1f}°, {report.readiness.name.lower()}")
     else:
         tell_silence(finding, transport)
-    if finding.received and report.readiness.name != "READY":
+    if report.readiness is Readiness.OTHER_MASTER or (finding.received and report.readiness is not Readiness.READY):
         finding.problems.append(report.readiness.value)
-    transport.close()
+    wires.close()
     return finding
 
 

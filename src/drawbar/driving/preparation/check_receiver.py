@@ -9,6 +9,7 @@ from drawbar.machine.hardware.corrections.corrections import Corrections
 from drawbar.machine.hardware.corrections.receivers import correct
 from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.hardware.receiver import Receiver, ReceiverSettings
+from drawbar.protocols.gnss.checks import resolution
 from drawbar.protocols.gnss.epoch import Epoch
 from drawbar.protocols.gnss.firmware import ASK_UBX, firmware
 from drawbar.protocols.gnss.framing import Framer
@@ -53,6 +54,7 @@ def check_receiver(
     sample_time: float,
     corrections: Corrections | None,
     *,
+    oldest: float,
     alone: bool = False,
 ) -> Finding:
     """Return what a receiver says.
@@ -64,6 +66,7 @@ def check_receiver(
         seconds: to listen.
         sample_time: of the controller, s.
         corrections: that it is sent meanwhile; None: it has its own.
+        oldest: corrections with which to engage, s.
         alone: it is the only receiver, which has to tell a heading.
 
     Raises:
@@ -82,6 +85,7 @@ def check_receiver(
     else:
         finding.facts += [versions.text] if versions.text else []
         _describe(finding, epochs, frame, receiver, sample_time)
+        finding.problems += _unfit(epochs[-1], oldest)
         if alone and not math.isfinite(epochs[-1].yaw):
             finding.problems.append(
                 "it tells no heading, and the trailer has no receiver: let it send that of its two antennas, or wait "
@@ -118,12 +122,25 @@ def _describe(finding: Finding, epochs: list[Epoch], frame: LocalFrame, receiver
         finding.facts.append(f"{math.hypot(east, north):.1f} m from the origin of the path's frame")
     if receiver.dropped:
         finding.facts.append("dropped: " + ", ".join(f"{count} {kind}" for kind, count in receiver.dropped.items()))
-    if not finding.fixed:
-        finding.problems.append("no RTK fix: wait under open sky, check the corrections")
+
+
+def _unfit(last: Epoch, oldest: float) -> list[str]:
+    """Return why its last epoch is not one to engage with."""
+    problems = []
+    if last.quality is not FixQuality.FIXED:
+        problems.append("no RTK fix: wait under open sky, check the corrections")
+    if too_coarse := resolution(last):
+        problems.append(too_coarse)
     if not math.isfinite(last.speed):
-        finding.problems.append("it reports no speed: let it send VTG or RMC (NMEA), PVT (UBX, SBF)")
+        problems.append("it reports no speed: let it send VTG or RMC (NMEA), PVT (UBX, SBF)")
     if not math.isfinite(last.correction_age):
-        finding.problems.append("it reports no age of its corrections: engaging needs it")
+        problems.append("it reports no age of its corrections: engaging needs it")
+    elif last.correction_age > oldest:
+        problems.append(
+            f"its corrections are {last.correction_age:.0f} s old, and drawbar engages up to {oldest:g} s: check "
+            "modem, caster and mount point"
+        )
+    return problems
 
 
 def not_forwarded(settings: ReceiverSettings, devices: DeviceSettings) -> list[str]:

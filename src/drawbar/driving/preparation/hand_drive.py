@@ -94,6 +94,11 @@ class HandDrive:
         return np.asarray(east * np.cos(self.yaw) + north * np.sin(self.yaw), float)
 
     @property
+    def far_from_line(self) -> float:
+        """Share of the steps in which nothing was estimated, although the antenna's position was known."""
+        return float(np.mean(np.isfinite(self.antenna_x) & ~np.isfinite(self.x)))
+
+    @property
     def way(self) -> float:
         """Length, m."""
         return float(np.hypot(np.diff(self.x), np.diff(self.y)).sum())

@@ -146,6 +146,8 @@ class WiggleRun:
 def wiggle_both(configuration: Configuration) -> Iterator[tuple[str, Wiggle]]:
     """Wiggle the front wheels and then the joint of a machine, and yield what each has shown.
 
+    Where the front wheels' was broken off, as by an operator who took over, the joint is not moved.
+
     Raises:
         DrawbarError: a transport cannot be opened.
     """
@@ -158,7 +160,10 @@ def wiggle_both(configuration: Configuration) -> Iterator[tuple[str, Wiggle]]:
         receiver = opened.enter_context(closing(Receiver(tractor, configuration.devices.tractor_receiver)))
         wires = opened.enter_context(closing(Wires(gate_wires(options))))
         for body, name in enumerate(STEERINGS):
-            yield name, carry_out(wires, body, lambda now: _speed(receiver, now))
+            found = carry_out(wires, body, lambda now: _speed(receiver, now))
+            yield name, found
+            if math.isnan(found.gain):
+                return
 
 
 def _speed(receiver: Receiver, now: float) -> float:

@@ -130,6 +130,12 @@ class SteerBoardSettings(Settings):
         return f"udp://{host}:{port}"
 
     @property
+    def broadcasts(self) -> str:
+        """Address of a socket for `drawbar.transports` that receives what is broadcast to the board."""
+        host, port = self.destination
+        return f"udp://{host.rpartition('.')[0]}.255:{port}"
+
+    @property
     def transport(self) -> str:
         """Address of the socket for `drawbar.transports`; boards that `listen` at one place share one socket."""
         host, port = self.destination

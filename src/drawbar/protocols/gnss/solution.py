@@ -20,6 +20,8 @@ SIGMA = {
 """standard deviation of each coordinate by quality, where the receiver reports none, m"""
 SIGMA_FLOOR = 0.01
 """no fix is better than this, whatever the receiver reports, m"""
+_COARSE = 1e-5 / 60.0 * 1.001
+"""largest step of a fixed position, degrees: 5 decimals of minutes, 1.9 cm; with 4 it is 19 cm"""
 SLOWEST_COURSE = 0.3
 """below this speed a velocity has no direction, m/s"""
 
@@ -92,13 +94,17 @@ def _completeness(velocity: Velocity) -> tuple[bool, bool]:
 
 
 def _quality(positions: list[Position]) -> FixQuality:
-    """Return the quality of the best message that says one; NONE where there is no position beside it."""
+    """Return the quality of the best message that says one; NONE where there is no position beside it.
+
+    A fixed one that is told in coarse steps counts as float.
+    """
     if not positions:
         return FixQuality.UNKNOWN
     if math.isnan(positions[0].latitude):
         return FixQuality.NONE
     said = [each.quality for each in positions if each.quality is not FixQuality.UNKNOWN]
-    return said[0] if said else FixQuality.UNKNOWN
+    told = said[0] if said else FixQuality.UNKNOWN
+    return min(told, FixQuality.FLOAT) if positions[0].resolution > _COARSE else told
 
 
 def _merged(positions: list[Position], *, is_fix: bool) -> Position:

@@ -15,8 +15,9 @@ _MM = 1e-3
 _THREE_DIMENSIONAL = 3
 _CARRIER = {1: FixQuality.FLOAT, 2: FixQuality.FIXED}
 _FIXED = 2
-_AGES = (math.nan, 1.0, 2.0, 5.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0, 120.0, 600.0)
-"""the oldest that each class of the age of corrections can mean, s; the last one, above 120 s, has no end"""
+_AGES = (math.nan, 0.5, 1.5, 3.5, 7.5, 12.5, 17.5, 25.0, 37.5, 52.5, 75.0, 105.0, 600.0)
+"""the middle of each class of the age of corrections, s: limits of 5 and 20 s, where classes end, part the classes; the
+last one, above 120 s, has no end"""
 
 
 def pvt(values: Values) -> tuple[Content, ...]:
