@@ -28,7 +28,7 @@ which only its user may write to; a front end binds a path of its own first, and
 from there is sent every state of the gate (16 at most). A record that is refused is counted, and why is one of:"""
 ANSWERS = {
     Response.NONE: "",
-    Response.TELL: "tell, and drive on",
+    Response.NOTIFY: "notify, and drive on",
     Response.DEGRADE: "drive slower",
     Response.STOP: "stop, then release",
     Response.RELEASE: "release at once",

@@ -1,4 +1,4 @@
-"""Words: every module and every header begins with the name of what it holds."""
+"""Words: modules and headers begin with the name of what they hold; replaced words are not used."""
 
 import ast
 import re
@@ -8,12 +8,15 @@ from pathlib import Path
 
 import pytest
 
-SOURCE = Path(__file__).parents[1] / "src" / "drawbar"
+ROOT = Path(__file__).parents[1]
+SOURCE = ROOT / "src" / "drawbar"
 MODULES = {path.relative_to(SOURCE).as_posix(): path for path in sorted(SOURCE.rglob("*.py"))}
 HEADERS = {path.relative_to(SOURCE).as_posix(): path for path in sorted(SOURCE.rglob("*.h"))}
 LONGEST_NAME = 5
 """words before the colon, or from the beginning where no colon ends a name"""
 QUESTIONS = {"what", "how", "where", "whether", "which", "when", "why", "who", "whose", "from", "by", "in", "on", "for"}
+RETIRED = {"let[-_ ]go|lets[-_ ]go|letting[-_ ]go|lets? (the boards?|the steering|them) go": "release"}
+"""what is not written any more, by words of the same meaning (docs/glossary.md)"""
 DEFINED = (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 
@@ -86,3 +89,17 @@ def test_header_begins_with_its_name(header: str, verbs: set[str]) -> None:
     defined = re.findall(r"(?:struct|enum|static|inline)\b[^;{=]*?(\w+)\s*[({]", text)
     assert comment
     assert not flaw(comment[1], HEADERS[header].stem, defined, verbs)
+
+
+@pytest.mark.parametrize("retired", RETIRED)
+def test_retired_word_is_not_used(retired: str) -> None:
+    word = re.compile(rf"(?<![a-z])(?:{retired})(?![a-z])", re.IGNORECASE)
+    places = [
+        f"{path.relative_to(ROOT)}:{number}: {line.strip()}"
+        for folder in ("docs", "experiments", "src", "tests")
+        for path in sorted((ROOT / folder).rglob("*"))
+        if path.suffix in {".c", ".csv", ".h", ".md", ".py", ".toml"} and path != Path(__file__)
+        for number, line in enumerate(path.read_text("utf-8").splitlines(), 1)
+        if word.search(line)
+    ]
+    assert not places, f"the project's word is {RETIRED[retired]!r}"

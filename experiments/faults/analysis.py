@@ -19,14 +19,14 @@ RESPONSES = {
     0: "drives on",
     2: "slower",
     3: "stops",
-    4: "lets go",
+    4: "releases",
     5: "never engages",
-    6: "boards let go",
+    6: "boards release",
     7: "beyond the envelope",
 }
 ACTIVE, DEGRADED = SupervisorState.ACTIVE, SupervisorState.DEGRADED
 STOPPING = {SupervisorState.STOPPING, SupervisorState.STOPPED}
-LET_GO = {SupervisorState.FAULT, SupervisorState.OVERRIDE, SupervisorState.ESTOP}
+RELEASED = {SupervisorState.FAULT, SupervisorState.OVERRIDE, SupervisorState.ESTOP}
 NO_FAULT = "no fault"
 SLOW = ("0.5 m/s", "1 m/s", "2 m/s")
 """speeds at which a fault may cost 0.30 m"""
@@ -56,14 +56,14 @@ def figures(result: Result) -> dict[str, float]:
     until = int(np.argmax(stands)) if stands.any() else len(time) - 1
     errors = np.abs([watched["tractor"], watched["trailer"]])[:, : until + 1].max(axis=0)
     left = ~driving | np.isin(
-        watched["state"].astype(int), list(LET_GO)
+        watched["state"].astype(int), list(RELEASED)
     )  # a board may hold its last set point after that
     steered = np.cumsum(left)[: until + 1] == 0
     first = int(np.argmax(changed))
     return {
         "response": float(response),
         "detected": _first(time, changed),
-        "let go": _first(time, ~driving),
+        "released": _first(time, ~driving),
         "stands": _first(time, stands),
         "way": float(watched["way"][until]) if stands.any() else math.nan,
         "steered": 100.0 * float(errors[steered].max(initial=0.0)),
@@ -77,7 +77,7 @@ def figures(result: Result) -> dict[str, float]:
 def _response(states: set[int], driving: np.ndarray) -> int:
     if not driving.any():
         return 5
-    if states & LET_GO:
+    if states & RELEASED:
         return 4
     if states & STOPPING:
         return 3
@@ -115,7 +115,7 @@ def _driven_table(measured: MeasuredExperiment, driven: Sequence[str], variants:
         "fault on until the gate's state changed, until no board turned its wheel, until it stood: the longest, "
         "s. More than without the fault: the largest distance of either body from the path, less that of the same run "
         "without the fault, cm, the worst. First while drawbar steers, to 2 m/s and at 3 m/s. Then until the vehicle "
-        "stands as well, where it has been let go of and nobody takes the wheel: with a driver who brakes after 0.7 s "
+        "stands as well, where it is released and nobody takes the wheel: with a driver who brakes after 0.7 s "
         "with 1.5 m/s², and with a tractor that obeys the bus (2 m/s).",
         header=[
             "fault",
@@ -123,7 +123,7 @@ def _driven_table(measured: MeasuredExperiment, driven: Sequence[str], variants:
             "observed",
             "first cause",
             "seen",
-            "let go",
+            "released",
             "stood",
             "way, m",
             "steered, to 2 m/s",
@@ -166,7 +166,7 @@ def _summary(measured: MeasuredExperiment, driven: Sequence[str]) -> str:
 def _row(measured: MeasuredExperiment, variant: str, cases: Sequence[str]) -> list[str]:
     causes = Counter(value for case in cases for value in measured.values(case, "cause") if math.isfinite(value))
     cause = ", ".join(BY_CODE[int(code)].name if int(code) else "-" for code, _ in causes.most_common(2))
-    worst = {name: _largest(measured, cases, name) for name in ("detected", "let go", "stands", "way")}
+    worst = {name: _largest(measured, cases, name) for name in ("detected", "released", "stands", "way")}
     bus = [case for case in cases if BUS in case]
     slow = [case for case in cases if case.startswith(SLOW) and case not in bus]
     fast = [case for case in cases if not case.startswith(SLOW)]

@@ -1,17 +1,15 @@
-"""Configuration: one TOML file describes a whole run; this is the only place that reads it."""
+"""Configuration: one TOML file describes a whole run; this is the only place that validates it."""
 
-import math
 import os
 import tomllib
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import tomli_w
 from pydantic import Discriminator, Field, Tag, ValidationError, model_validator
 
 from drawbar.bounded import BoundedErrors
-from drawbar.configurations import shipped_names, shipped_text
+from drawbar.config_tables import changed_table, resolved_table
 from drawbar.control.plausibility import demand_samples_that_steer, demand_weights_that_steer
 from drawbar.control.settings import (
     ArticulatedControllerSettings,
@@ -32,7 +30,6 @@ from drawbar.guidance.settings import GuidanceSettings, PathSettings
 from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.physics.settings import PhysicsMachineSettings
 from drawbar.machine.settings import SimulatedMachineSettings
-from drawbar.misspelt import meant
 from drawbar.safety.sanity import SanitySettings
 from drawbar.safety.settings import SafetySettings
 from drawbar.settings import Angle, Settings, Speed
@@ -215,7 +212,7 @@ def load_configuration(source: str | os.PathLike[str], changes: Sequence[str] = 
     """
     name = source if isinstance(source, str) else str(demand_path("source", source, ConfigurationError))
     _demand_changes(changes)
-    data, origin = _resolved(name, ())
+    data, origin = resolved_table(name)
     return _changed(_validated(data, origin), changes, origin)
 
 
@@ -252,92 +249,8 @@ def demand_configuration(configuration: object) -> None:
 def _changed(configuration: Configuration, changes: Sequence[str], origin: str) -> Configuration:
     if not changes:
         return configuration
-    resolved = configuration.model_dump(mode="json")
-    for change in sorted(changes, key=_turn):
-        _apply(resolved, change)
-    _anchor(resolved, "")
-    return _validated(resolved, f"{origin} with --set {' '.join(changes)}")
-
-
-def _resolved(source: str, extending: tuple[str, ...]) -> tuple[dict[str, Any], str]:
-    """Return a file's keys on top of those of the configuration that it extends, and where they came from."""
-    text, origin = _read(source)
-    try:
-        data = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:  # also digits without end, brackets without end
-        reason = str(error).replace("Cannot overwrite a value", "a key is given twice")
-        raise ConfigurationError(f"{origin}: is not valid TOML: {reason}.") from error
-    _anchor(data, Path(source).parent)
-    if "extends" not in data:
-        return data, origin
-    base = data.pop("extends")
-    beside = str(Path(source).parent / base) if isinstance(base, str) else ""
-    extending = (*extending, os.path.realpath(source))
-    is_file = os.path.isfile(beside)
-    if not isinstance(base, str) or (is_file and os.path.realpath(beside) in extending):
-        raise ConfigurationError(
-            f"{origin}: extends = {base!r} is not allowed; give the name of a shipped configuration "
-            f"({', '.join(shipped_names())}) or of a file in the same folder, but none that extends this one."
-        )
-    if not is_file and base not in shipped_names():
-        raise _unknown(f"{origin}: extends = {base!r}", base)
-    basis, _ = _resolved(beside if is_file else base, extending)
-    return _merged(basis, data), origin
-
-
-def _anchor(data: dict[str, Any], folder: str | Path) -> None:
-    """Make path.file absolute in place; a relative one is in the folder, which is relative to the working directory."""
-    section = data.get("path")
-    if isinstance(section, dict) and isinstance(file := section.get("file"), str) and file:
-        section["file"] = str(Path(folder, file).absolute())
-
-
-_TAGS = ("model", "kind")
-"""keys that say which one of several a section describes"""
-_LARGEST = 1_000_000
-"""characters that a configuration file has at most"""
-
-
-def _merged(basis: dict[str, Any], data: dict[str, Any]) -> dict[str, Any]:
-    """Return the basis with data on top; a section of another model replaces the basis's."""
-    merged = dict(basis)
-    for key, value in data.items():
-        merged[key] = _merged(basis[key], value) if _goes_on(basis.get(key), value) else value
-    return merged
-
-
-def _goes_on(old: Any, new: Any) -> bool:
-    """Return whether both are sections of the same model and the new one says anything."""
-    both = isinstance(old, dict) and isinstance(new, dict) and new
-    return bool(both) and all(new.get(tag) in (None, old.get(tag)) for tag in _TAGS)
-
-
-def _read(source: str) -> tuple[str, str]:
-    if source in shipped_names():
-        return shipped_text(source), source
-    if not os.path.exists(source):
-        raise _unknown(source, source)
-    try:
-        with open(source, encoding="utf-8-sig") as file:
-            text = file.read(_LARGEST + 1)
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "not UTF-8 text"
-        raise ConfigurationError(
-            f"{source}: cannot be read as a configuration ({reason}); "
-            f"give a TOML file or one of: {', '.join(shipped_names())}."
-        ) from error
-    if len(text) > _LARGEST:
-        raise ConfigurationError(
-            f"{source}: is longer than a million characters, so it is no configuration; give a TOML file."
-        )
-    return text, source
-
-
-def _unknown(place: str, source: str) -> ConfigurationError:
-    """Return what says that nothing has this name; the place is where it was given."""
-    return ConfigurationError(
-        f"{place}: is neither a file nor a shipped configuration{meant(source, shipped_names())}; "
-        f"give a TOML file or one of: {', '.join(shipped_names())}."
+    return _validated(
+        changed_table(configuration.model_dump(mode="json"), changes), f"{origin} with --set {' '.join(changes)}"
     )
 
 
@@ -350,39 +263,3 @@ def _validated(data: dict[str, Any], origin: str) -> Configuration:
         if not {"estimator", "controller"} <= data.keys():  # a first file: hardly meant to be complete
             lines.append('  Begin the file with extends = "articulated": then only what differs has to be given.')
         raise ConfigurationError("\n".join([head, *lines])) from error
-
-
-def _turn(change: str) -> float:
-    """Return a change's place among others: one of a section's model or kind takes back what the section held."""
-    sections = change.partition("=")[0].strip().split(".")
-    return len(sections) if sections[-1] in _TAGS else math.inf
-
-
-def _apply(data: dict[str, Any], change: str) -> None:
-    """Set one dotted key in place."""
-    key, separator, text = change.partition("=")
-    if not separator or not key.strip():
-        raise ConfigurationError(f"--set {change!r}: give KEY=VALUE, for example --set vehicle.wheelbase=1.5.")
-    *sections, last = key.strip().split(".")
-    for section in sections:
-        if isinstance(data, dict):
-            if data.get(section) is None:  # one that is left out, such as devices
-                data[section] = {}
-            data = data[section]
-    if not isinstance(data, dict):
-        raise ConfigurationError(
-            f"--set {change!r}: {'.'.join(sections)} is a value, not a section with keys; set it as a whole."
-        )
-    value = _value(text)
-    if last in _TAGS and data.get(last) != value:
-        data.clear()  # another model or machine has other keys: they start at their defaults
-    data[last] = value
-
-
-def _value(text: str) -> Any:
-    """Return a value written in TOML; what is none is a string."""
-    try:
-        (value,) = tomllib.loads(f"value = {text}").values()
-    except (ValueError, RecursionError):
-        return text
-    return value

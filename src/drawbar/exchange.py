@@ -41,12 +41,12 @@ from drawbar.signals import (
     GateVerdict,
     GuidanceStatus,
     Measurement,
+    MonitorVerdict,
     PathNode,
     Pose,
     Quantity,
     SolverStatus,
     Status,
-    Supervision,
     Truth,
 )
 
@@ -58,7 +58,7 @@ _ENUMERATIONS: dict[type[IntEnum] | type[IntFlag], tuple[str, str]] = {
     SolverStatus: ("drawbar_solver", "DRAWBAR_SOLVER_"),
     GateVerdict: ("drawbar_gate", "DRAWBAR_GATE_"),
     GuidanceStatus: ("drawbar_guidance", "DRAWBAR_GUIDANCE_"),
-    Supervision: ("supervision", ""),
+    MonitorVerdict: ("monitor_verdict", ""),
 }
 """C's name of each enumeration, and what its members' names begin with"""
 _STRUCTURES: dict[Any, str] = {
@@ -349,7 +349,7 @@ def headers() -> dict[str, str]:
     public = [_enumeration(kind) for kind in _PUBLIC_ENUMERATIONS]
     for kind in _PUBLIC_STRUCTURES:
         public += [_structure(kind), *([_NOTHING + _nothing()] if kind is Measurement else [])]
-    inner = [_enumeration(Supervision)]
+    inner = [_enumeration(MonitorVerdict)]
     inner += [_structure(kind) for kind in (BodyReference, BodyPlan, BodySteering, Truth)]
     inner += [
         "/* Largest magnitudes that sensors can mean, of the measurement's numbers but the time, in order. */\n"

@@ -69,7 +69,7 @@ class SupervisorState(IntEnum):
     ACTIVE = 5
     """it steers"""
     DEGRADED = 6
-    """it steers, slower and for a limited time: there is a cause to worry"""
+    """it steers, slower and for a limited time: see its cause"""
     STOPPING = 7
     """it steers until the vehicle stands"""
     STOPPED = 8
@@ -120,7 +120,7 @@ class Role(IntEnum):
     FRONT_END = 3
     """shows the drive to an operator"""
     GUARD = 4
-    """lets the boards go where the gate falls silent"""
+    """releases the boards where the gate falls silent"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -222,7 +222,7 @@ class GateState(Message):
     since: Time
     """when this state was entered, ns"""
     refusals: Codes
-    """codes of what stands against engaging, or worries while driving, the first eight; 0: no more"""
+    """codes of what stands against engaging, or of causes while driving, the first eight; 0: no more"""
     remaining: Known
     """until this state is left by itself, s; NaN: it is not"""
     tractor_angle: Known

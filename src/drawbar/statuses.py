@@ -49,12 +49,13 @@ class Status(IntEnum):
     NO_PATH = 258, "wrong call: drawbar_set_path has not been called, or not with success"
     ORDER = (
         259,
-        "wrong call: out of order: feedback and prepare alternate, and where a run begins is told before it does",
+        "wrong call: out of order: feedback and prepare alternate, and a run's start is set before it begins",
     )
     PATH = 260, "wrong call: the path's table is not a smooth path"
     RANGE = 261, "wrong call: a number is beyond what is allowed"
     NO_RUN = 262, "wrong call: no run has begun, or it has ended"
     ELSEWHERE = 263, "wrong call: the vehicle is not on the new path at that place, or faces away from it"
+    UNALIGNED = 264, "wrong call: a pointer is not aligned as a double"
 
     @property
     def is_new_command(self) -> bool:
@@ -137,14 +138,14 @@ class GateVerdict(IntEnum):
     """refused, and there was none to repeat, or none new enough: speed zero, steering held"""
 
 
-class Supervision(IntEnum):
-    """Whether a run may go on."""
+class MonitorVerdict(IntEnum):
+    """What the run monitor decided about a run."""
 
     ON_COURSE = 0
     OFF_COURSE = 1
     """the tractor is too far from the path, or its distance is not known"""
     BLIND = 2
-    """neither antenna has had a fix that was believed for too long"""
+    """neither antenna has had an accepted fix for too long"""
 
 
 class GuidanceStatus(IntEnum):

@@ -6,7 +6,7 @@ import sys
 import unicodedata
 from collections.abc import Sequence
 from io import TextIOWrapper
-from typing import Any
+from typing import IO, Any
 
 from rich.console import Console, ConsoleDimensions, ConsoleOptions, RenderResult
 from rich.table import Table
@@ -104,7 +104,7 @@ def open_what_is_closed() -> None:
 
 
 class Output(Console):
-    """Standard output; where nobody reads it any more, what is driven continues without."""
+    """Standard output, or standard error; where nobody reads it any more, the command continues without."""
 
     def __init__(self, **options: Any) -> None:
         """Forget `COLUMNS=0`, which some programs say before they know: nothing at all would be printed."""
@@ -125,7 +125,12 @@ class Output(Console):
     def on_broken_pipe(self) -> None:
         """Let all that is printed from now on go nowhere."""
         self.quiet = True
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        discard(self.file)
+
+
+def discard(stream: IO[str]) -> None:
+    """Send what is written to a stream from now on, and what it still holds, to the null device."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def forget_typed() -> None:

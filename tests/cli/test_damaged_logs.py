@@ -1,5 +1,9 @@
 """Commands that read a log say what of it is damaged or cut off."""
 
+import csv
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -36,6 +40,18 @@ def test_a_steering_is_identified_of_steps_that_follow_each_other(drawbar: Drawb
         for record in run.records[22:]:
             recorder.write(record)
     assert drawbar("identify", "behind.mcap")[1].splitlines()[1:3] == told.splitlines()[1:3]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="has no /dev/stdout")
+def test_a_table_on_standard_output_holds_no_losses_and_no_names(run: RunLog) -> None:
+    file = without(run, 20, 21)
+    command = [sys.executable, "-m", "drawbar", "log", "export", str(file), "--csv", "/dev/stdout"]
+    done = subprocess.run([*command, "--ros2", "ros2.mcap"], capture_output=True, text=True, check=True)
+    rows = list(csv.reader(done.stdout.splitlines()))
+    assert len(rows) == 1 + len(run.records) - 2
+    assert {len(row) for row in rows} == {len(rows[0])}
+    assert "steps 20 to 21 are lost" in done.stderr
+    assert "ros2.mcap" in done.stderr
 
 
 def test_steps_with_gaps_are_no_stretch(drawbar: Drawbar, run: RunLog) -> None:

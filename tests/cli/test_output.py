@@ -58,6 +58,21 @@ def test_closed_standard_files_are_as_the_null_device(closed, tmp_path):
     assert out.read_text("utf-8").startswith("arc_length,")
 
 
+@pytest.mark.parametrize(
+    "arguments",
+    [("config", "articulated", "--toml"), ("config",), ("events",), ("--version",), ("--help",), ("run", "--help")],
+    ids=" ".join,
+)
+def test_a_reader_that_goes_away_is_no_error(arguments):
+    read, write = os.pipe()
+    os.close(read)
+    done = subprocess.run(
+        [sys.executable, "-m", "drawbar", *arguments], stdout=write, stderr=subprocess.PIPE, text=True, check=False
+    )
+    os.close(write)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 def test_a_reader_that_goes_away_ends_nothing():
     program = (
         "import sys; from drawbar.cli.options import console; sys.stdin.readline();"

@@ -54,7 +54,7 @@ def test_steering_goes_on_while_the_disk_is_full_and_what_was_written_is_kept(tm
         assert processes.ended() == []
         for words in WORDS.values():
             shown = board(gate, words, stale=False, mine=True, holder="1", drives=True)
-            assert words("worries") in shown.heading
+            assert words("warnings") in shown.heading
             assert words.cause(Cause.NOT_RECORDING) in shown.reasons
             assert picture(gate, None, None, words, stale=False)["unrecorded"]
         hand.close()

@@ -2,7 +2,7 @@
 
 Drives stand-ins in processes, in real time, over real sockets, and sends SIGKILL or SIGSTOP to controller, receivers or
 recorder, each as often; listens on the computer's loopback to the datagrams to both boards, which takes root. What was
-frozen continues a second after the boards were let go of (the recorder: after its silence was told), and is listened to
+frozen continues a second after the boards were released (the recorder: after its silence was told), and is listened to
 for two seconds more. Prints a table, and ends with 1 where a limit below was exceeded, something steered again or a log
 was unreadable. A drive that was not steered when the signal was due is not counted.
 """
@@ -35,7 +35,7 @@ PROCESSES, SIGNALS = ("controller", "receivers", "recorder"), (signal.SIGKILL, s
 QUICK = ["safety.engage.fixed=1.0", "safety.engage.hold=0.1", "safety.engage.quiet=0.1", "path.radii=[8.0]"]
 """an operator who need not wait; every time-out of the drive itself is as it comes"""
 PROMISED = {"controller": 0.2, "receivers": 12.0, "recorder": 1.5}
-"""s, by which the boards are let go of, or the loss is told. The controller's is that of docs/safety.md; without
+"""s, by which the boards are released, or the loss is told. The controller's is that of docs/safety.md; without
 receivers the vehicle, which nobody stops here, is steered for `drive.stopping` more; the recorder's is its silence."""
 STARTING, AFTER = 60.0, 2.0
 LOST = 0.5
@@ -49,9 +49,9 @@ class Outcome:
     process: str
     number: signal.Signals
     seconds: float = math.inf
-    """until both boards were let go of; of the recorder until its silence was told"""
+    """until both boards were released; of the recorder until its silence was told"""
     stop: float = math.inf
-    """s, until the gate asked for a stop, or had let go"""
+    """s, until the gate asked for a stop, or had released"""
     again: int = 0
     """set points that steered after that"""
     readable: bool = False
@@ -89,8 +89,8 @@ class Drive:
         """Return the gate's newest state."""
         return self.front.state.state if self.front.state is not None else None
 
-    def let_go(self, start: int) -> int | None:
-        """Return when both boards had been let go of, ns; a board steers until it is told not to."""
+    def released(self, start: int) -> int | None:
+        """Return when both boards had been released, ns; a board steers until it is told not to."""
         offs = [next((each.time for each in self._later(start) if each.port == port and not each.steers), None)
                 for port in self.wire.ports]  # fmt: skip
         return max(each for each in offs if each is not None) if None not in offs else None
@@ -103,7 +103,7 @@ class Drive:
         return [each for each in self.wire.seen if each.time > start]
 
     def stops(self) -> bool:
-        """Return whether the gate asks for a stop, or has let go."""
+        """Return whether the gate asks for a stop, or has released."""
         return self.front.state is not None and bool(self.front.state.stop or not self.front.state.steers)
 
     def tells_no_recording(self) -> bool:
@@ -149,8 +149,8 @@ def _signalled(drive: Drive, outcome: Outcome, chance: random.Random) -> float:
         return _resumed(drive, outcome, wall)
     if drive.watch(drive.stops, PROMISED[outcome.process]):
         outcome.stop = 1e-9 * (time.monotonic_ns() - start)
-    drive.watch(lambda: drive.let_go(start) is not None, 1.5 * PROMISED[outcome.process])
-    end = drive.let_go(start)
+    drive.watch(lambda: drive.released(start) is not None, 1.5 * PROMISED[outcome.process])
+    end = drive.released(start)
     outcome.seconds = 1e-9 * (end - start) if end is not None else math.inf
     drive.watch(lambda: False, 1.0)
     _resumed(drive, outcome, wall)

@@ -64,7 +64,7 @@ int UNIT(outputs)(struct component *component, const struct drawbar_measurement 
 }}
 int UNIT(told)(struct component *component, const struct drawbar_command *command)
 {{
-    model_told_outputs(&component->model, component->state, command, component->y);
+    model_commanded_outputs(&component->model, component->state, command, component->y);
     return 0;
 }}
 int UNIT(estimate)(struct component *component, const struct drawbar_measurement *measurement,

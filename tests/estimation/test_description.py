@@ -124,3 +124,17 @@ def test_a_slope_moves_both_crab_angles_and_the_offset_alike_and_nothing_else():
     settings = ArticulatedEstimatorSettings(model="articulated", drift=ArticulatedDrift(slope=0.007))
     problem = ArticulatedEstimation(VehicleParameters(), SensorNoise(), settings, 0.2).problem
     assert problem.common_deviation == dict.fromkeys(("steering_offset", "trailer_crab", "tractor_crab"), 0.007)
+
+
+@pytest.mark.parametrize("sample_time", [0.05, 0.1, 0.5])
+def test_process_noise_grows_with_time_not_with_samples(sample_time):
+    settings = ArticulatedEstimatorSettings(model="articulated")
+
+    def variances(step):
+        problem = ArticulatedEstimation(VehicleParameters(), SensorNoise(), settings, step).problem
+        return [
+            np.array(list(each.values())) ** 2 / step for each in (problem.process_deviation, problem.common_deviation)
+        ]
+
+    for mine, at_5_hertz in zip(variances(sample_time), variances(0.2), strict=True):
+        np.testing.assert_allclose(mine, at_5_hertz, rtol=1e-12)

@@ -109,45 +109,45 @@ def watched(
         alignment.apply(change(m), past, believed(*now, time=m.time, speed=drive.speed))
         if alignment.status:
             assert alignment.status == Status.ROLL
-            return m.time, alignment.live.array("positions.leans.doubts").tolist()
+            return m.time, alignment.live.array("positions.leans.faults").tolist()
         if m.time >= lasts:
             break
-    return math.inf, alignment.live.array("positions.leans.doubts").tolist()
+    return math.inf, alignment.live.array("positions.leans.faults").tolist()
 
 
 REVERSED, STUCK = 1, 2
 
 
 @pytest.mark.parametrize("seed", range(3))
-@pytest.mark.parametrize(("body", "doubts"), [("tractor", [REVERSED, 0]), ("trailer", [0, REVERSED])])
-def test_an_antenna_that_swings_against_its_roll_names_the_sensor(body: str, doubts: list[int], seed: int) -> None:
+@pytest.mark.parametrize(("body", "faults"), [("tractor", [REVERSED, 0]), ("trailer", [0, REVERSED])])
+def test_an_antenna_that_swings_against_its_roll_names_the_sensor(body: str, faults: list[int], seed: int) -> None:
     drive = Drive(tractor=wavy, trailer=lambda way: wavy(way - 2.4), seed=seed)
     when, found = watched(drive, reversed_rolls(body))
     assert when <= 8.0
-    assert found == doubts
+    assert found == faults
 
 
 def test_two_bodies_that_lean_away_from_each_other_are_seen_at_once() -> None:
     for body in ("tractor", "trailer"):
-        when, doubts = watched(Drive(vehicle=LEVEL, slope=math.radians(5.0)), reversed_rolls(body))
+        when, faults = watched(Drive(vehicle=LEVEL, slope=math.radians(5.0)), reversed_rolls(body))
         assert when <= 2.0
-        assert doubts == [REVERSED, REVERSED]  # which of them is wrong does not show
+        assert faults == [REVERSED, REVERSED]  # which of them is wrong does not show
 
 
 def test_a_roll_that_turns_round_on_a_slope_is_seen_within_metres() -> None:
     drive, reverse = Drive(vehicle=LEVEL, slope=math.radians(3.0), yaw=circle), reversed_rolls("tractor")
-    when, doubts = watched(drive, lambda m: reverse(m) if m.time > 100.0 else m, lasts=150.0)
+    when, faults = watched(drive, lambda m: reverse(m) if m.time > 100.0 else m, lasts=150.0)
     assert 100.0 < when <= 115.0
-    assert doubts == [REVERSED, 0]
+    assert faults == [REVERSED, 0]
 
 
 def test_a_slope_shows_both_rolls_reversed_in_the_first_curve_and_not_before() -> None:
     slope = math.radians(5.0)
     straight = Drive(vehicle=LEVEL, slope=slope)
     assert watched(straight, reversed_rolls("tractor", "trailer"))[0] == math.inf
-    when, doubts = watched(replace(straight, yaw=circle), reversed_rolls("tractor", "trailer"))
+    when, faults = watched(replace(straight, yaw=circle), reversed_rolls("tractor", "trailer"))
     assert when <= 10.0  # a turn by 70°
-    assert doubts == [REVERSED, REVERSED]
+    assert faults == [REVERSED, REVERSED]
 
 
 @pytest.mark.parametrize(
@@ -159,11 +159,11 @@ def test_a_slope_shows_both_rolls_reversed_in_the_first_curve_and_not_before() -
     ],
 )
 def test_a_roll_that_stands_still_is_stuck(drive: Drive, bodies: tuple[str, ...], within: float) -> None:
-    when, doubts = watched(drive, stuck_rolls(10.0, *bodies))
+    when, faults = watched(drive, stuck_rolls(10.0, *bodies))
     assert 10.0 < when <= 10.0 + within
-    named = {body for body, doubt in zip(("tractor", "trailer"), doubts, strict=True) if doubt}
+    named = {body for body, doubt in zip(("tractor", "trailer"), faults, strict=True) if doubt}
     assert named <= set(bodies)
-    assert set(doubts) <= {0, STUCK}
+    assert set(faults) <= {0, STUCK}
 
 
 def test_what_is_stated_of_fixes_counts_where_receivers_tell_nothing() -> None:

@@ -14,14 +14,16 @@ from drawbar.geometry import Floats
 UNIT = """
 #include "yaw_rate_sensor.h"
 #include "unit.h"
-struct component { struct yaw_rate_sensor sensor; double believed; };
-#define COMPONENT_FIELDS FIELD(component, believed, 0, 1, 0, 0) FIELD(component, sensor.found, 0, FOUND, 0, 0) \\
-    FIELD(component, sensor.covariance, 0, FOUND, FOUND, 0) FIELD(component, sensor.latency, 0, 1, 0, 0)
-int UNIT(believed)(struct component *component, double told, double wheels, double yaw, double turning, double elapsed)
+struct component { struct yaw_rate_sensor sensor; double judged; };
+#define COMPONENT_FIELDS FIELD(component, judged, 0, 1, 0, 0) FIELD(component, sensor.latency, 0, 1, 0, 0) \\
+    FIELD(component, sensor.state, 0, YAW_RATE_STATES, 0, 0) \\
+    FIELD(component, sensor.covariance, 0, YAW_RATE_STATES, YAW_RATE_STATES, 0)
+int UNIT(judged)(struct component *component, double measured, double wheels, double yaw, double turning,
+                 double elapsed)
 {
-    const struct shown_yaw shown = {yaw, turning};
+    const struct yaw_reference reference = {yaw, turning};
 
-    component->believed = yaw_rate_believed(&component->sensor, told, wheels, &shown, elapsed);
+    component->judged = yaw_rate_judged(&component->sensor, measured, wheels, &reference, elapsed);
     return 0;
 }
 """
@@ -35,18 +37,18 @@ class Sensor(Alone):
     def __init__(self) -> None:
         super().__init__(Unit(name="yaw_rate", source=UNIT, configure=lambda workspace: None))
 
-    def believed(
-        self, told: float, wheels: float, yaw: float, elapsed: float = SAMPLE, turning: float | None = None
+    def judged(
+        self, measured: float, wheels: float, yaw: float, elapsed: float = SAMPLE, turning: float | None = None
     ) -> float:
-        """Return the yaw rate to be believed, rad/s; the line through both antennas turns as the wheels say, or so."""
+        """Return the corrected yaw rate, rad/s (NaN: excluded); turning: of the line through both antennas."""
         line = wheels if turning is None else turning
-        self.call("believed", Real(told), Real(wheels), Real(yaw), Real(line), Real(elapsed))
-        return float(self.live.array("believed").item())
+        self.call("judged", Real(measured), Real(wheels), Real(yaw), Real(line), Real(elapsed))
+        return float(self.live.array("judged").item())
 
     @property
     def found(self) -> Floats:
         """Bias, rad/s; lead of the integral, rad; latency of the fixes beyond the sensor's, s; error of the scale."""
-        return self.live.array("sensor.found").copy()
+        return self.live.array("sensor.state").copy()
 
     @property
     def bias(self) -> float:
@@ -55,7 +57,7 @@ class Sensor(Alone):
 
     @property
     def latency(self) -> float:
-        """That is reckoned with, s; below zero: the sensor's own."""
+        """Corrected for, s; below zero: the sensor's own."""
         return float(self.live.array("sensor.latency").item())
 
 
@@ -70,10 +72,10 @@ def weaving(samples: int, seed: int) -> Iterator[tuple[float, float]]:
         yield rate, math.remainder(yaw + rng.normal(0.0, 1.0 * DEGREE), 2.0 * math.pi)
 
 
-def answers(sensor: Sensor, told: Floats, seed: int = 3) -> Floats:
-    """Return what is believed (n,) of told yaw rates (n,) of the weaving vehicle, rad/s."""
-    true = weaving(told.size, seed)
-    return np.array([sensor.believed(each, rate, yaw) for each, (rate, yaw) in zip(told.tolist(), true, strict=True)])
+def answers(sensor: Sensor, measured: Floats, seed: int = 3) -> Floats:
+    """Return the corrected yaw rates (n,) of measured ones (n,) of the weaving vehicle, rad/s."""
+    true = weaving(measured.size, seed)
+    return np.array([sensor.judged(each, rate, yaw) for each, (rate, yaw) in zip(measured.tolist(), true, strict=True)])
 
 
 def rates(samples: int) -> Floats:
@@ -99,11 +101,11 @@ def test_the_scale_is_found_and_taken_off(scale: float) -> None:
 
 
 def test_what_is_found_is_that_of_a_kalman_filter_in_textbook_form() -> None:
-    told, sensor, missing = rates(400) + 0.02, Sensor(), range(200, 400, 3)
+    measured, sensor, missing = rates(400) + 0.02, Sensor(), range(200, 400, 3)
     state, covariance, ahead = np.zeros(4), np.diag([2.0 * DEGREE, 0.0, 0.1, 0.03]) ** 2, None
-    for k, (rate, (wheels, yaw)) in enumerate(zip(told.tolist(), weaving(400, 3), strict=True)):
+    for k, (rate, (wheels, yaw)) in enumerate(zip(measured.tolist(), weaving(400, 3), strict=True)):
         reckoned, row = sensor.latency, np.array([0.0, 1.0, wheels, 0.0])
-        sensor.believed(math.nan if k in missing else rate, wheels, yaw)
+        sensor.judged(math.nan if k in missing else rate, wheels, yaw)
         if k in missing:
             ahead = None
             continue
@@ -114,7 +116,7 @@ def test_what_is_found_is_that_of_a_kalman_filter_in_textbook_form() -> None:
             state[1] += reckoned * wheels
             covariance[1, 1] += (2.0 * DEGREE) ** 2
             continue
-        turned = 0.5 * (rate + told[k - 1]) * SAMPLE
+        turned = 0.5 * (rate + measured[k - 1]) * SAMPLE
         ahead += turned
         A = np.eye(4)
         A[1] = [SAMPLE, 1.0, 0.0, turned]
@@ -141,7 +143,7 @@ def test_the_latency_of_the_fixes_is_found_and_reckoned_with_as_far_as_it_is_sur
     sensor, true = Sensor(), rates(1200)
     for rate, yaw in zip(true.tolist(), late_yaws(1200, latency).tolist(), strict=True):
         # what is reckoned with brings the fixes, and their yaw, up to now
-        sensor.believed(rate + bias * DEGREE, rate, yaw + sensor.latency * rate)
+        sensor.judged(rate + bias * DEGREE, rate, yaw + sensor.latency * rate)
     assert sensor.found[2] == pytest.approx(latency, abs=0.03)
     assert max(latency - 0.06, 0.0) <= sensor.latency <= latency + 0.02
 
@@ -150,7 +152,7 @@ def test_what_is_reckoned_with_changes_slowly_and_never_beyond_its_limits() -> N
     sensor, true = Sensor(), rates(1200)
     reckoned = [0.0]
     for rate, yaw in zip(true.tolist(), late_yaws(1200, 0.5).tolist(), strict=True):
-        sensor.believed(rate, rate, yaw + sensor.latency * rate)
+        sensor.judged(rate, rate, yaw + sensor.latency * rate)
         reckoned.append(sensor.latency)
     assert max(reckoned) == 0.25
     assert np.abs(np.diff(reckoned)).max() <= 0.02 * SAMPLE + 1e-12
@@ -161,8 +163,8 @@ def test_a_sensor_that_is_late_itself_is_reckoned_with_as_far_as_it_is_sure() ->
     times = SAMPLE * np.arange(1200)
     for k, yaw in enumerate(late_yaws(1200, 0.0).tolist()):
         # what is reckoned with brings the yaw rate up to now
-        told = np.interp(times[k] - 0.2 - sensor.latency, times, true)
-        sensor.believed(float(told), float(true[k]), yaw)
+        measured = np.interp(times[k] - 0.2 - sensor.latency, times, true)
+        sensor.judged(float(measured), float(true[k]), yaw)
     assert sensor.found[2] == pytest.approx(-0.2, abs=0.03)
     assert -0.22 <= sensor.latency <= -0.14
 
@@ -170,16 +172,16 @@ def test_a_sensor_that_is_late_itself_is_reckoned_with_as_far_as_it_is_sure() ->
 def test_a_sensor_that_is_missing_at_every_third_sample_shows_no_latency_that_is_not_there() -> None:
     sensor, true = Sensor(), rates(1200)
     for k, yaw in enumerate(late_yaws(1200, 0.2).tolist()):
-        told = math.nan if k % 3 == 2 else float(true[k])
-        sensor.believed(told, float(true[k]), yaw + sensor.latency * float(true[k]))
+        measured = math.nan if k % 3 == 2 else float(true[k])
+        sensor.judged(measured, float(true[k]), yaw + sensor.latency * float(true[k]))
     deviation = math.sqrt(sensor.live.array("sensor.covariance")[2, 2])
     assert abs(sensor.found[2] - 0.2) < 2.0 * deviation
 
 
-def test_without_a_sensor_that_is_believed_no_latency_is_reckoned_with() -> None:
+def test_without_a_sensor_in_use_no_latency_is_corrected() -> None:
     sensor, true = Sensor(), rates(600)
     for rate, yaw in zip(true.tolist(), late_yaws(600, 0.2).tolist(), strict=True):
-        assert math.isnan(sensor.believed(-rate, rate, yaw))
+        assert math.isnan(sensor.judged(-rate, rate, yaw))
     assert sensor.latency == 0.0
 
 
@@ -199,18 +201,18 @@ def test_a_sensor_that_is_reversed_stuck_or_scaled_is_never_used(scale: float) -
 )
 def test_a_sensor_that_goes_wrong_is_dropped_within_two_seconds_and_for_a_minute(wrong) -> None:
     true = rates(700)
-    told = np.array([wrong(rate, k) if 200 <= k < 300 else rate for k, rate in enumerate(true.tolist())])
-    found = answers(Sensor(), told)
+    measured = np.array([wrong(rate, k) if 200 <= k < 300 else rate for k, rate in enumerate(true.tolist())])
+    found = answers(Sensor(), measured)
     assert np.isfinite(found[60:200]).all()
     assert np.isnan(found[210:500]).all()
     assert np.isfinite(found[690:]).all()
 
 
-def test_single_false_yaw_rates_and_shown_yaws_cost_their_own_samples_only() -> None:
+def test_single_false_yaw_rates_and_reference_yaws_cost_their_own_samples_only() -> None:
     sensor, alone, found = Sensor(), Sensor(), []
     for k, (rate, yaw) in enumerate(weaving(600, 3)):
         false_rate, false_yaw = (rate + 5.0 if k % 40 == 20 else rate), (yaw + 1.0 if k % 40 == 39 else yaw)
-        seen, expected = sensor.believed(false_rate, rate, false_yaw), alone.believed(rate, rate, yaw)
+        seen, expected = sensor.judged(false_rate, rate, false_yaw), alone.judged(rate, rate, yaw)
         if k >= 60:
             assert math.isnan(seen) is (k % 40 == 20)
             found.append(seen - expected)
@@ -224,32 +226,34 @@ def test_a_vehicle_that_turns_sooner_than_its_wheels_say_is_followed() -> None:
         rate = (0.0, 10.0, 0.0, -10.0)[k // 10 % 4] * DEGREE
         yaw += 0.5 * (rate + before) * SAMPLE
         shown = math.remainder(yaw + rng.normal(0.0, DEGREE), 2.0 * math.pi)
-        sensor.believed(rate, before, shown, turning=rate)
+        sensor.judged(rate, before, shown, turning=rate)
         before = rate
         if k >= 200:
             assert abs(sensor.found[2]) < 0.05
 
 
 @pytest.mark.parametrize("wrong", [lambda rate: -rate, lambda rate: rate + 5.0 * DEGREE], ids=["reversed", "offset"])
-def test_a_sensor_that_goes_wrong_in_a_curve_is_not_believed_even_once(wrong) -> None:
+def test_a_sensor_that_goes_wrong_in_a_curve_is_excluded_at_once(wrong) -> None:
     true = rates(300)
     k = 200 + int(np.argmax(np.abs(true[200:])))
     assert np.isfinite(answers(Sensor(), true)[60:]).all()
     assert np.isnan(answers(Sensor(), np.append(true[:k], wrong(true[k : k + 20])))[k:]).all()
 
 
-def test_in_a_curve_that_is_wider_than_the_wheels_say_a_sudden_offset_is_not_believed() -> None:
+def test_in_a_curve_that_is_wider_than_the_wheels_say_a_sudden_offset_is_excluded() -> None:
     """By what it lacks there, about 1.5°/s, the offset differs from the wheels by 3.5°/s only."""
     sensor, wrong = Sensor(), 255
     for k, (rate, yaw) in enumerate(weaving(400, 3)):
-        found = sensor.believed(rate + 5.0 * DEGREE if k >= wrong else rate, 1.25 * rate, yaw)
+        found = sensor.judged(rate + 5.0 * DEGREE if k >= wrong else rate, 1.25 * rate, yaw)
         assert k < 100 or math.isnan(found) is (k >= wrong)
 
 
 def test_a_sensor_that_becomes_noisy_is_left_out_for_a_minute() -> None:
     rng, true = np.random.default_rng(5), rates(700)
-    told = np.array([rate + rng.normal(0.0, 5.0 * DEGREE) if 200 <= k < 300 else rate for k, rate in enumerate(true)])
-    found = answers(Sensor(), told)
+    measured = np.array(
+        [rate + rng.normal(0.0, 5.0 * DEGREE) if 200 <= k < 300 else rate for k, rate in enumerate(true)]
+    )
+    found = answers(Sensor(), measured)
     assert np.isfinite(found[60:200]).all()
     assert np.isnan(found[215:500]).all()
     assert np.isfinite(found[690:]).all()
@@ -257,21 +261,21 @@ def test_a_sensor_that_becomes_noisy_is_left_out_for_a_minute() -> None:
 
 def test_on_ground_where_it_usually_differs_from_the_wheels_it_goes_on() -> None:
     sensor, rng = Sensor(), np.random.default_rng(5)
-    found = [sensor.believed(rate, rate + rng.normal(0.0, 3.0 * DEGREE), yaw) for rate, yaw in weaving(600, 3)]
+    found = [sensor.judged(rate, rate + rng.normal(0.0, 3.0 * DEGREE), yaw) for rate, yaw in weaving(600, 3)]
     assert np.isfinite(found[100:]).mean() > 0.99
 
 
 def test_values_that_are_missing_or_of_no_time_are_none() -> None:
     sensor, true = Sensor(), rates(100)
     assert np.isfinite(answers(sensor, true)[-1])
-    assert math.isnan(sensor.believed(math.nan, 0.1, 0.0))
-    assert math.isnan(sensor.believed(math.inf, 0.1, 0.0))
-    assert math.isnan(sensor.believed(0.1, 0.1, 0.0, elapsed=0.0))
-    assert math.isnan(sensor.believed(0.1, math.nan, 0.0))
+    assert math.isnan(sensor.judged(math.nan, 0.1, 0.0))
+    assert math.isnan(sensor.judged(math.inf, 0.1, 0.0))
+    assert math.isnan(sensor.judged(0.1, 0.1, 0.0, elapsed=0.0))
+    assert math.isnan(sensor.judged(0.1, math.nan, 0.0))
 
 
 def test_without_positions_it_goes_on() -> None:
     sensor, true = Sensor(), rates(160)
     for k, (rate, yaw) in enumerate(weaving(160, 3)):
-        found = sensor.believed(true[k], rate, yaw if k < 100 else math.nan)
+        found = sensor.judged(true[k], rate, yaw if k < 100 else math.nan)
     assert found == pytest.approx(true[-1], abs=0.4 * DEGREE)

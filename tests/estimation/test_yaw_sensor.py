@@ -1,4 +1,4 @@
-"""The tractor's yaw by two antennas: its mounting's error, what is believed, and what it is worth to the estimate."""
+"""The tractor's yaw by two antennas: its mounting's error, which are rejected, and what it is worth to the estimate."""
 
 import math
 from dataclasses import replace
@@ -23,12 +23,12 @@ from drawbar.vehicle.parameters import Mast, Masts, VehicleParameters
 UNIT = """
 #include "yaw_sensor.h"
 #include "unit.h"
-struct component { struct yaw_sensor sensor; double believed; };
-#define COMPONENT_FIELDS FIELD(component, believed, 0, 1, 0, 0) FIELD(component, sensor.error, 0, 1, 0, 0) \\
+struct component { struct yaw_sensor sensor; double judged; };
+#define COMPONENT_FIELDS FIELD(component, judged, 0, 1, 0, 0) FIELD(component, sensor.error, 0, 1, 0, 0) \\
     SETTING(component, sensor.gate, 0, 1, 0, 0)
-int UNIT(believed)(struct component *component, double told, double expected, double shown)
+int UNIT(judged)(struct component *component, double measured, double expected, double reference)
 {
-    component->believed = yaw_believed(&component->sensor, told, expected, shown);
+    component->judged = yaw_judged(&component->sensor, measured, expected, reference);
     return 0;
 }
 """
@@ -44,9 +44,9 @@ class Sensor(Alone):
         settings = {"sensor.gate": YAW_GATE}
         super().__init__(Unit(name="yaw", source=UNIT, configure=lambda workspace: workspace.write(settings)))
 
-    def believed(self, told: float, expected: float, shown: float = math.nan) -> float:
-        self.call("believed", Real(told), Real(expected), Real(shown))
-        return float(self.live.array("believed").item())
+    def judged(self, told: float, expected: float, shown: float = math.nan) -> float:
+        self.call("judged", Real(told), Real(expected), Real(shown))
+        return float(self.live.array("judged").item())
 
     @property
     def error(self) -> float:
@@ -56,26 +56,26 @@ class Sensor(Alone):
 @pytest.mark.parametrize("turns", [-3, 0, 2])
 def test_a_yaw_has_the_turns_of_the_expected_one(turns: int) -> None:
     expected = 3.1 + 2.0 * math.pi * turns
-    assert Sensor().believed(-3.13, expected) == pytest.approx(expected + wrap(-3.13 - 3.1), abs=1e-12)
+    assert Sensor().judged(-3.13, expected) == pytest.approx(expected + wrap(-3.13 - 3.1), abs=1e-12)
 
 
 @pytest.mark.parametrize("off", [0.11, -0.11, math.pi, math.nan, math.inf])
-def test_a_yaw_far_from_the_expected_one_is_not_believed(off: float) -> None:
-    assert math.isnan(Sensor().believed(1.0 + off, 1.0))
+def test_a_yaw_far_from_the_expected_one_is_rejected(off: float) -> None:
+    assert math.isnan(Sensor().judged(1.0 + off, 1.0))
 
 
 def test_the_mountings_error_is_found_where_both_bodies_have_fixes() -> None:
     rng, sensor, off = np.random.default_rng(7), Sensor(), math.radians(2.0)
     for yaw in np.linspace(-4.0, 4.0, 300).tolist():
         shown = wrap(yaw + rng.normal(0.0, math.radians(1.5)))
-        answer = sensor.believed(wrap(yaw + off), yaw, shown)
+        answer = sensor.judged(wrap(yaw + off), yaw, shown)
     assert sensor.error == pytest.approx(-off, abs=math.radians(0.3))
     assert answer == pytest.approx(yaw, abs=math.radians(0.3))
 
 
-def test_where_nothing_shows_the_mountings_error_the_told_yaw_counts() -> None:
+def test_without_a_reference_the_measured_yaw_counts() -> None:
     sensor = Sensor()
-    assert [sensor.believed(0.05, 0.0) for _ in range(100)] == pytest.approx([0.05] * 100, abs=1e-15)
+    assert [sensor.judged(0.05, 0.0) for _ in range(100)] == pytest.approx([0.05] * 100, abs=1e-15)
 
 
 def test_a_late_yaw_is_brought_up_to_the_sample() -> None:
@@ -146,7 +146,7 @@ def test_a_run_begins_with_the_trailer_where_yaw_and_angles_put_it() -> None:
     assert (found.trailer_x, found.trailer_y) == pytest.approx((trailer.real, trailer.imag), abs=1e-12)
 
 
-def test_without_a_yaw_the_tractors_position_is_told_as_it_is() -> None:
+def test_without_a_yaw_the_tractors_position_is_given_as_it_is() -> None:
     found = Alignment(VehicleParameters(masts=Masts(tractor=Mast(up=2.5)))).begin(
         measured(5.0, 6.0, math.nan, math.nan)
     )

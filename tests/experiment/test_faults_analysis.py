@@ -15,8 +15,8 @@ FOLDER = Path(__file__).parents[2] / "experiments" / "faults"
     [
         (Expectation(at_most=0.0), "drives on"),
         (Expectation(at_most=3.0), "drives on, slower or stops"),
-        (Expectation(at_least=3.0, at_most=4.0), "stops or lets go"),
-        (Expectation(value=6.0, within=0.001), "boards let go"),
+        (Expectation(at_least=3.0, at_most=4.0), "stops or releases"),
+        (Expectation(value=6.0, within=0.001), "boards release"),
     ],
 )
 def test_the_table_names_every_response_that_is_expected(expected, told):

@@ -119,6 +119,23 @@ def test_drives_are_those_of_pythons_own_bit_for_bit(library: Path) -> None:
     assert seen >= {ActuateStatus(value) for value in (0, 1, 2, 16, 17, 18, 19, 20)}
 
 
+def test_what_is_not_aligned_is_refused_and_not_touched(library: Path) -> None:
+    own = machine()
+    good, room = Exported(library, own)._state, (ctypes.c_double * 1024)()
+    low, odd = ctypes.CDLL(str(library)), ctypes.c_void_p(ctypes.addressof(room) + 4)
+    settings, output = own._unit.memory.ctypes.data_as(ctypes.c_void_p), (ctypes.c_double * 16)(*[1.0] * 16)
+    before = bytes(good), bytes(room)
+    assert low.drawbar_actuate_init(odd, settings) == ActuateStatus.UNALIGNED
+    assert low.drawbar_actuate(good, room, odd) == ActuateStatus.UNALIGNED
+    assert output[:3] == [1.0] * 3
+    for state, given in ((odd, room), (good, odd)):
+        assert low.drawbar_actuate(state, given, output) == ActuateStatus.UNALIGNED
+        assert output[:3] == [0.0] * 3
+    assert (bytes(good), bytes(room)) == before
+    assert low.drawbar_actuate_init(good, odd) == ActuateStatus.UNALIGNED
+    assert low.drawbar_actuate(good, room, output) == ActuateStatus.NOT_INITIALISED
+
+
 def test_what_drawbar_export_builds_drives_alike(exported: Callable[..., Path], tmp_path: Path) -> None:
     """zig builds without fused multiply-add and for any processor: the drives agree but for rounding."""
     pytest.importorskip("ziglang")

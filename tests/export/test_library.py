@@ -1,11 +1,15 @@
 """The exported library in this process, built as Python's own: it does what that does."""
 
 import ctypes
+import re
+import shutil
+import subprocess
 from dataclasses import replace
 from itertools import islice
 
 import pytest
 
+from drawbar.codegen.compiler import find_compiler
 from drawbar.signals import Flag, Status
 
 
@@ -122,8 +126,34 @@ def test_a_run_begins_where_it_is_told_to(library, simulation, records) -> None:
     assert library.step(first)[1] == Status.OK
 
 
-def test_says_what_it_is(library) -> None:
-    assert library.functions.drawbar_version().startswith(b"drawbar ")
+def test_says_what_it_is(library, exported) -> None:
+    header = (exported("articulated") / "include" / "drawbar_size.h").read_text("utf-8")
+    version = library.functions.drawbar_version().decode()
+    assert re.fullmatch(r"drawbar \S+ [0-9a-f]{16} double", version)
+    assert re.findall(r'^#define DRAWBAR_VERSION "(.*)"$', header, re.MULTILINE) == [version]
+
+
+def test_the_state_of_another_export_is_none_here(begun, exported, compiled) -> None:
+    other = compiled(exported("pure-pursuit-pi"), ("-std=c99", "-O0", "-fPIC", "-shared"))
+    assert other.functions.drawbar_prepare(begun.state) == Status.NOT_INITIALISED
+    assert other.functions.drawbar_set_speed(begun.state, ctypes.c_double(0.5)) == Status.NOT_INITIALISED
+    assert begun.call("set_speed", ctypes.c_double(0.5)) == Status.OK
+
+
+def test_the_example_does_not_go_on_with_headers_of_another_export(library, exported, tmp_path) -> None:
+    folder, headers = exported("articulated"), tmp_path / "include"
+    shutil.copytree(folder / "include", headers)
+    size = headers / "drawbar_size.h"
+    for text, code in ((size.read_text("utf-8"), 0), (size.read_text("utf-8").replace(" double", " single"), 2)):
+        size.write_text(text, "utf-8")
+        example = [str(folder / "example" / "main.c"), str(library.file), "-lm", "-o", str(tmp_path / "example")]
+        subprocess.run([*find_compiler(), "-O0", f"-I{headers}", *example], check=True)
+        tables = ["measurements.csv", "path.csv"]
+        done = subprocess.run(
+            [tmp_path / "example", *tables], cwd=folder / "example", capture_output=True, text=True, check=False
+        )
+        assert done.returncode == code
+    assert "compiled for drawbar" in done.stderr
 
 
 def test_says_what_each_status_and_each_flag_means(library) -> None:

@@ -37,5 +37,5 @@ class Identification(Alone):
     def told(self) -> Actuation:
         """Return what is known, and what is planned with."""
         memory = room(Actuation)
-        self.call("tell", memory)
+        self.call("report", memory)
         return taken(Actuation, memory)

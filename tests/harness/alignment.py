@@ -33,5 +33,5 @@ class Alignment(Alone):
     def told(self) -> Actuation:
         """Return what is found of the sensors; zero where that is of the steerings."""
         found = room(Actuation)
-        self.call("tell", found)
+        self.call("report", found)
         return taken(Actuation, found)

@@ -51,6 +51,6 @@ def brought_to(state, *, settings=SETTINGS):
         engagement.update(time, Situation(**{"causes": (), **given}))
     assert engagement.state is state
     shift = 100.0 - time
-    for name in ("since", "_unmet", "_worried", "_moved"):
+    for name in ("since", "_unmet", "_degraded", "_moved"):
         setattr(engagement, name, getattr(engagement, name) + shift)
     return engagement

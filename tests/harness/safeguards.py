@@ -1,4 +1,4 @@
-"""The gate and the supervisor, each by itself."""
+"""The gate and the run monitor, each by itself."""
 
 from ctypes import byref
 from typing import Any
@@ -7,9 +7,9 @@ from alone import Alone
 from c_signals import CBodyReference, Real, given, room, taken
 
 from drawbar.safety.gate import gate_unit
+from drawbar.safety.run_monitor import run_monitor_unit
 from drawbar.safety.sanity import SanitySettings
-from drawbar.safety.supervisor import supervisor_unit
-from drawbar.signals import BodyReference, Command, Estimate, GateVerdict, Measurement, Supervision
+from drawbar.signals import BodyReference, Command, Estimate, GateVerdict, Measurement, MonitorVerdict
 from drawbar.vehicle.parameters import VehicleParameters
 
 Given = tuple[Command, GateVerdict]
@@ -52,13 +52,13 @@ class CommandGate(Alone):
         return taken(Command, command), GateVerdict(verdict)
 
 
-class Supervisor(Alone):
+class RunMonitor(Alone):
     """The decision whether a run may go on."""
 
     def __init__(self) -> None:
-        """Compile the supervisor."""
-        super().__init__(supervisor_unit(SanitySettings(), VehicleParameters()))
+        """Compile the run monitor."""
+        super().__init__(run_monitor_unit(SanitySettings(), VehicleParameters()))
 
-    def watch(self, estimate: Estimate, tractor: BodyReference) -> Supervision:
+    def watch(self, estimate: Estimate, tractor: BodyReference) -> MonitorVerdict:
         """Judge one step by its estimate and the tractor's reference."""
-        return Supervision(self.call("watch", given(estimate), byref(CBodyReference.of(tractor))))
+        return MonitorVerdict(self.call("watch", given(estimate), byref(CBodyReference.of(tractor))))

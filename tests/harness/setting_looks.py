@@ -144,7 +144,7 @@ def stopping_for(seconds, speed=1.0, **controller):
 
 
 def stuck(gap, speed, seconds, *, ahead=True):
-    """See whether a steering that creeps is let go of; its set point stays at a distance or where it is; rad, rad/s."""
+    """See whether a steering that creeps is released; its set point stays at a distance or where it is; rad, rad/s."""
 
     def look(settings):
         bench = Bench(settings).drive()
@@ -160,7 +160,7 @@ def stuck(gap, speed, seconds, *, ahead=True):
 
 
 def leaps(step):
-    """See whether a steering is let go of whose measured angle leaps by a step, rad, and stays there."""
+    """See whether a steering is released whose measured angle leaps by a step, rad, and stays there."""
 
     def look(settings):
         bench = Bench(settings).drive()
@@ -194,7 +194,7 @@ def flooded(count):
 
 
 def ticks_in_a_second(settings):
-    """Return how often a gate's process tells its actuators to let go before it ends, by its own clock."""
+    """Return how often a gate's process tells its actuators to release before it ends, by its own clock."""
     bench = Bench(settings)
     bench.gate.watch.troubles.ended = True
     clock = iter(0.01 * index for index in range(10_000))

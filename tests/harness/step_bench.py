@@ -1,4 +1,4 @@
-"""The step of an exported library, between real gate and supervisor and components that do what a measurement says."""
+"""The step of an exported library, between real gate and run monitor and components that do what a measurement says."""
 
 import ctypes
 from pathlib import Path
@@ -13,7 +13,7 @@ WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werr
 SAMPLE, PATIENCE, ENDURANCE, LENGTH = 0.2, 1.0, 3.0, 10.0
 NAMES = (
     *("ALIGNMENT", "ESTIMATOR", "GUIDANCE", "PREDICTOR", "TRACTOR", "TRAILER"),
-    *("TRACTOR_LAW", "TRAILER_LAW", "GATE", "SUPERVISOR", "SANITY"),
+    *("TRACTOR_LAW", "TRAILER_LAW", "GATE", "RUN_MONITOR", "SANITY"),
 )
 PARTS = "\n".join(f"#define DRAWBAR_{name}_SIZE 256" for name in (*NAMES, "WORK"))
 UNITS = {
@@ -36,14 +36,14 @@ int UNIT(initialise)(struct component *component)
     return 0;
 }
 """,
-    "supervisor.c": """
-#define UNIT(name) drawbar_supervisor_##name
+    "run_monitor.c": """
+#define UNIT(name) drawbar_run_monitor_##name
 #include <string.h>
-#include "supervisor.h"
+#include "run_monitor.h"
 int UNIT(initialise)(struct component *component)
 {
-    const struct component supervisor = {.lost = 5.0, .blind = 2.0};
-    memcpy(component, &supervisor, sizeof supervisor);
+    const struct component monitor = {.lost = 5.0, .blind = 2.0};
+    memcpy(component, &monitor, sizeof monitor);
     return 0;
 }
 """,

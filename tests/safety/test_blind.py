@@ -26,7 +26,7 @@ def lateral_deviation(live):
 def test_what_is_reckoned_is_what_the_estimators_covariance_says(build, speed, start):
     run = build("articulated", EIGHT, f"speed={speed}", lost(start), *ON)
     tell = uncertainty_of(run.autopilot, load_configuration("articulated"))
-    live = run.autopilot.library.components["supervisor"].live
+    live = run.autopilot.library.components["run_monitor"].live
     ratios = []
     for record in run.steps():
         distance = live.array("distance")[0]

@@ -14,7 +14,7 @@ TESTS = (
     *("engagement", "envelope", "selftest", "speeds", "following"),
     *("machine_gate", "desk", "gate_channels", "watch", "gate_loop"),
 )
-ENDINGS = ("what_ends_driving_lets_go_in_time_and_for_good", "it_recovers_when_the_worry_is_gone")
+ENDINGS = ("what_ends_driving_releases_in_time_and_for_good", "it_recovers_when_the_cause_is_gone")
 """those of test_gate_endings.py that reach something more; all of them take a minute under coverage"""
 
 

@@ -40,7 +40,7 @@ EXPECTED = {
     READY: {Event.LOST: STANDBY, Event.RELEASE: STANDBY, Event.STOP: STANDBY, Event.ENGAGE: ENGAGING}
     | {Event.FAULT: FAULT, Event.EMERGENCY: ESTOP},
     ENGAGING: {Event.TAKEN: ACTIVE, Event.STOP: STOPPING, Event.RELEASE: STANDBY} | STEER_ENDS,
-    ACTIVE: {Event.WORRY: DEGRADED, Event.STOP: STOPPING, Event.RELEASE: STANDBY} | STEER_ENDS,
+    ACTIVE: {Event.DEGRADE: DEGRADED, Event.STOP: STOPPING, Event.RELEASE: STANDBY} | STEER_ENDS,
     DEGRADED: {Event.CALM: ACTIVE, Event.STOP: STOPPING, Event.RELEASE: STANDBY} | STEER_ENDS,
     STOPPING: {Event.STOOD: STOPPED, Event.RELEASE: STOPPED} | STEER_ENDS,
     STOPPED: {Event.ACKNOWLEDGE: STANDBY, Event.FAULT: FAULT, Event.EMERGENCY: ESTOP},
@@ -124,7 +124,7 @@ def test_a_vehicle_that_does_not_stop_is_steered_on_while_nothing_else_is_wrong(
     assert (engagement.state, engagement.cause) == (STOPPED, Cause.STOP_IGNORED)
 
 
-def test_a_vehicle_that_does_not_stop_is_let_go_of_in_the_end_and_asked_to_stop_all_the_more():
+def test_a_vehicle_that_does_not_stop_is_released_in_the_end_and_asked_to_stop_all_the_more():
     engagement = brought_to(STOPPING)
     assert engagement.remaining(110.1) == pytest.approx(19.9)
     assert engagement.update(129.9, Situation(causes=())) is STOPPING
@@ -169,8 +169,8 @@ def test_a_failed_selftest_is_a_fault():
 def test_ready_needs_all_conditions_for_the_whole_time():
     engagement = brought_to(STANDBY)
     for tick in range(1, 400):
-        worry = (Cause.OFF_LINE,) if tick % 30 == 0 else ()
-        assert engagement.update(100.0 + 0.05 * tick, Situation(causes=worry)) is STANDBY
+        cause = (Cause.OFF_LINE,) if tick % 30 == 0 else ()
+        assert engagement.update(100.0 + 0.05 * tick, Situation(causes=cause)) is STANDBY
     engagement.update(120.0, Situation(causes=(Cause.UNSOLVED,)))  # this one does not stand against engaging
     assert engagement.state is STANDBY
     engagement.update(121.5, Situation(causes=()))
@@ -200,7 +200,7 @@ def test_each_cause_has_its_response_while_driving(state, cause):
     engagement.update(100.05, Situation(causes=(cause,)))
     after = {
         Response.NONE: state,
-        Response.TELL: state,
+        Response.NOTIFY: state,
         Response.DEGRADE: DEGRADED if state is ACTIVE else state,
         Response.STOP: STOPPING,
         Response.RELEASE: FAULT,
@@ -223,11 +223,11 @@ def test_the_worst_cause_has_the_last_word():
 @pytest.mark.parametrize("why", [Cause.SILENT, Cause.OTHER_MASTER, Cause.LOCKED_OUT, Cause.TOO_NEW])
 def test_an_actuator_that_released_and_says_why_is_not_said_to_have_released_by_itself(why):
     engagement = brought_to(ACTIVE)
-    engagement.update(100.05, Situation(causes=(Cause.LET_GO, why)))
+    engagement.update(100.05, Situation(causes=(Cause.ACTUATOR_RELEASED, why)))
     assert (engagement.state, engagement.cause) == (FAULT, why)
     engagement = brought_to(ACTIVE)
-    engagement.update(100.05, Situation(causes=(Cause.LINE_LOST, Cause.LET_GO)))
-    assert (engagement.state, engagement.cause) == (FAULT, Cause.LET_GO)
+    engagement.update(100.05, Situation(causes=(Cause.LINE_LOST, Cause.ACTUATOR_RELEASED)))
+    assert (engagement.state, engagement.cause) == (FAULT, Cause.ACTUATOR_RELEASED)
 
 
 @pytest.mark.parametrize("state", list(SupervisorState), ids=lambda each: each.name)
@@ -330,8 +330,8 @@ def test_it_eases_for_a_second_and_takes_over_only_then():
 def test_it_recovers_only_after_calm():
     engagement = brought_to(DEGRADED)
     for tick in range(1, 60):
-        worry = (Cause.FIX_LOST,) if tick % 30 == 0 else ()
-        assert engagement.update(100.0 + 0.05 * tick, Situation(causes=worry)) is DEGRADED
+        cause = (Cause.FIX_LOST,) if tick % 30 == 0 else ()
+        assert engagement.update(100.0 + 0.05 * tick, Situation(causes=cause)) is DEGRADED
     assert engagement.update(103.4, Situation(causes=())) is DEGRADED
     assert engagement.update(103.55, Situation(causes=())) is ACTIVE, "2 s after 101.5"
 

@@ -1,4 +1,4 @@
-"""What ends driving: how soon the gate lets go, degrades or stops, by which cause, and for good."""
+"""What ends driving: how soon the gate releases, degrades or stops, by which cause, and for good."""
 
 import math
 
@@ -12,7 +12,7 @@ from drawbar.safety.engagement import ACTIVE, DEGRADED, ENGAGING, ESTOP, FAULT, 
 from drawbar.statuses import Status
 
 
-def let_go_within(bench, seconds):
+def released_within(bench, seconds):
     """Return after how long the frames said off, s."""
     start = bench.time
     while bench.transport.written[-1].endswith(b"on"):
@@ -40,7 +40,7 @@ ENDS = {
     "folded": (lambda b: b.controller.update(hitch_angle=-1.06), FAULT, Cause.HITCH_FOLDED, 0.05),
     "hitch unknown": (lambda b: b.controller.update(hitch_angle=math.nan), FAULT, Cause.HITCH_FOLDED, 0.05),
     "override": (lambda b: b.trailer.changes.update(overridden=True), OVERRIDE, Cause.OPERATOR_STEERS, 0.05),
-    "let go": (lambda b: b.tractor.changes.update(engaged=False), FAULT, Cause.LET_GO, 0.05),
+    "released": (lambda b: b.tractor.changes.update(engaged=False), FAULT, Cause.ACTUATOR_RELEASED, 0.05),
     "ended": (lambda b: setattr(b.gate.watch.troubles, "ended", True), FAULT, Cause.ENDED, 0.05),
     "suspended": (lambda b: setattr(b.gate, "_suspended_before", -9.0), FAULT, Cause.SUSPENDED, 0.05),
     "release": (lambda b: b.ask(Action.RELEASE), STANDBY, Cause.OPERATOR_RELEASES, 0.05),
@@ -57,11 +57,11 @@ ENDS = {
 
 
 @pytest.mark.parametrize("name", list(ENDS))
-def test_what_ends_driving_lets_go_in_time_and_for_good(name):
+def test_what_ends_driving_releases_in_time_and_for_good(name):
     end, state, cause, seconds = ENDS[name]
     bench = driving()
     end(bench)
-    let_go_within(bench, seconds)
+    released_within(bench, seconds)
     assert (bench.state, bench.cause) == (state, cause)
     assert bench.shown.cause == cause.value
     assert not bench.shown.steers
@@ -123,14 +123,14 @@ def test_what_stops_driving_keeps_steering_until_it_stands(name):
     assert told(bench) == [b"tractor on", b"trailer on"]
     assert (bench.shown.stop, bench.shown.speed_limit) == (1, 0.0)
     if name == "feedback":
-        return  # whose loss lets go 0.3 s later, see above
+        return  # whose loss releases 0.3 s later, see above
     bench.controller = {"wheel_speed": 0.0, "receiver_speed": 0.0}
     bench.run(0.6)
     assert bench.state is STOPPED
     assert told(bench) == [b"tractor off", b"trailer off"]
 
 
-WORRIES = {
+DEGRADING = {
     "fix": ({"tractor_quality": 4}, Cause.FIX_LOST),
     "trailer's fix": ({"trailer_quality": 4}, Cause.FIX_LOST),
     "corrections": ({"correction_age": 20.1}, Cause.CORRECTIONS_LOST),
@@ -143,9 +143,9 @@ WORRIES = {
 }
 
 
-@pytest.mark.parametrize("name", list(WORRIES))
-def test_worries_degrade_for_a_while_and_then_stop(name):
-    changes, cause = WORRIES[name]
+@pytest.mark.parametrize("name", list(DEGRADING))
+def test_causes_degrade_for_a_while_and_then_stop(name):
+    changes, cause = DEGRADING[name]
     bench = driving(speed_actuator=True)
     assert bench.speed_actuator.requests[-1][1].speed == 1.0
     bench.controller = changes
@@ -171,7 +171,7 @@ def test_without_fix_and_speed_it_is_driven_on_for_a_second():
     assert (bench.state, bench.cause) == (STOPPING, Cause.SENSORS_LOST)
 
 
-def test_it_recovers_when_the_worry_is_gone():
+def test_it_recovers_when_the_cause_is_gone():
     bench = driving()
     bench.controller = {"tractor_quality": 4}
     bench.run(1.0)
@@ -184,7 +184,7 @@ def test_it_recovers_when_the_worry_is_gone():
 
 
 @pytest.mark.parametrize("body", ["tractor", "trailer"])
-def test_a_steering_that_does_not_follow_is_let_go(body):
+def test_a_steering_that_does_not_follow_is_released(body):
     bench = driving()
     actuator = getattr(bench, body)
     actuator.takes = False
@@ -196,7 +196,7 @@ def test_a_steering_that_does_not_follow_is_let_go(body):
     assert (bench.state, bench.cause) == (FAULT, Cause.STEERING_STUCK)
 
 
-def test_a_steering_that_turns_the_wrong_way_is_let_go():
+def test_a_steering_that_turns_the_wrong_way_is_released():
     bench = driving()
     bench.tractor.takes = False
     bench.tractor.changes["engaged"] = True
@@ -207,7 +207,7 @@ def test_a_steering_that_turns_the_wrong_way_is_let_go():
     assert (bench.state, bench.cause) == (FAULT, Cause.STEERING_REVERSED)
 
 
-def test_a_steering_whose_measured_angle_jumps_is_let_go():
+def test_a_steering_whose_measured_angle_jumps_is_released():
     bench = driving()
     bench.tractor.takes = False
     bench.tractor.changes["engaged"] = True
@@ -225,7 +225,7 @@ def test_a_steering_need_not_move_while_the_vehicle_stands():
     assert bench.state is ACTIVE
 
 
-def test_actuators_that_do_not_take_over_are_let_go():
+def test_actuators_that_do_not_take_over_are_released():
     bench = Bench().ready()
     bench.trailer.takes = False
     bench.engage().run(2.9)
@@ -246,7 +246,7 @@ def test_the_stop_of_the_speed_actuator_is_always_reachable():
     assert bench.transport.written[-2:] == [b"trailer off", b"speed"]
 
 
-def test_a_vehicle_that_does_not_stop_is_asked_harder_and_let_go_of_once_there_is_a_reason():
+def test_a_vehicle_that_does_not_stop_is_asked_harder_and_released_once_there_is_a_reason():
     bench = driving(speed_actuator=True)
     bench.ask(Action.STOP)
     bench.run(0.1)

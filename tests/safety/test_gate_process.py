@@ -193,7 +193,7 @@ def guards_off(machine, start):
     raise AssertionError("the guard said nothing")
 
 
-def let_go(machine, start):
+def released(machine, start):
     """Return the time from an instant to the first frame that says off, s."""
     for at, steers in machine.frames(2.0):
         if not steers:
@@ -211,7 +211,7 @@ def spread(signal_name, times):
     )
 
 
-def test_killed_controllers_let_go_at_once_and_the_gate_ends_after_a_second_of_off(machine):
+def test_killed_controllers_release_at_once_and_the_gate_ends_after_a_second_of_off(machine):
     chance, times = random.Random(0), []
     for _ in range(KILLS):
         driving = machine()
@@ -219,7 +219,7 @@ def test_killed_controllers_let_go_at_once_and_the_gate_ends_after_a_second_of_o
         driving.listen()
         start = time.monotonic()
         driving.controller.kill()
-        times.append(let_go(driving, start))
+        times.append(released(driving, start))
         assert times[-1] <= 0.2 + SLACK
         rest = list(driving.frames(1.5))
         assert not any(steers for _, steers in rest)
@@ -230,7 +230,7 @@ def test_killed_controllers_let_go_at_once_and_the_gate_ends_after_a_second_of_o
 
 
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP], ids=lambda each: each.name)
-def test_boards_of_gates_that_are_killed_or_frozen_are_let_go_of_by_the_guard(guarded, how):
+def test_boards_of_gates_that_are_killed_or_frozen_are_released_by_the_guard(guarded, how):
     chance, times = random.Random(2), []
     for _ in range(max(KILLS // 2, 1)):
         driving, guard = guarded()
@@ -239,19 +239,19 @@ def test_boards_of_gates_that_are_killed_or_frozen_are_let_go_of_by_the_guard(gu
         assert driving.state.state is SupervisorState.ACTIVE
         start = time.monotonic()
         driving.gate.send_signal(how)
-        guard.terminate()  # as whoever looks after both may do: it stays until the boards have been let go of
+        guard.terminate()  # as whoever looks after both may do: it stays until the boards have been released
         times.append(guards_off(driving, start))
         assert times[-1] <= 0.2 + SLACK
         assert guard.wait(5.0) == 0
         if how is signal.SIGSTOP:
             driving.listen()  # to the rest of what the guard has said
             driving.gate.send_signal(signal.SIGCONT)
-            assert let_go(driving, time.monotonic()) <= 0.2 + SLACK, "and the gate itself, once it goes on"
+            assert released(driving, time.monotonic()) <= 0.2 + SLACK, "and the gate itself, once it goes on"
         driving.close()
     print("guard:", spread(how.name, times))  # docs/safety.md
 
 
-def test_stopped_controllers_let_go_and_going_on_does_not_engage(machine):
+def test_stopped_controllers_release_and_going_on_does_not_engage(machine):
     chance, times = random.Random(1), []
     for _ in range(KILLS):
         driving = machine()
@@ -259,7 +259,7 @@ def test_stopped_controllers_let_go_and_going_on_does_not_engage(machine):
         driving.listen()
         start = time.monotonic()
         driving.controller.send_signal(signal.SIGSTOP)
-        times.append(let_go(driving, start))
+        times.append(released(driving, start))
         assert times[-1] <= 0.2 + SLACK
         driving.controller.send_signal(signal.SIGCONT)
         end = time.monotonic() + 0.7
@@ -294,18 +294,18 @@ def test_garbage_from_all_sides_neither_ends_it_nor_steers(machine):
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-def test_a_gate_that_is_told_to_end_lets_go_first(machine, number):
+def test_a_gate_that_is_told_to_end_releases_first(machine, number):
     driving = machine()
     driving.listen()
     start = time.monotonic()
     driving.gate.send_signal(number)
-    assert let_go(driving, start) <= 0.2 + SLACK
+    assert released(driving, start) <= 0.2 + SLACK
     assert driving.gate.wait(5.0) == ENDED
     assert time.monotonic() - start >= 0.9
 
 
 @pytest.mark.parametrize(("fails_at", "code"), [("tick", FAILED), ("report", None)])
-def test_a_program_that_fails_lets_go(machine, fails_at, code, tmp_path):
+def test_a_program_that_fails_releases(machine, fails_at, code, tmp_path):
     broken = Machine(tmp_path, fails_at=fails_at)
     try:
         with pytest.raises(NotDrivingError):

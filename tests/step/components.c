@@ -71,7 +71,7 @@ int drawbar_alignment_begin(struct component *component, const struct drawbar_me
     return 0;
 }
 
-void drawbar_alignment_tell(const struct component *component, struct drawbar_actuation *found)
+void drawbar_alignment_report(const struct component *component, struct drawbar_actuation *found)
 {
     (void)component;
     (void)found;

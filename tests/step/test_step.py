@@ -1,4 +1,4 @@
-"""The step of an exported library, between real gate and supervisor and components that do what a measurement says."""
+"""The step of an exported library, between real gate and run monitor and components that do what a measurement says."""
 
 import ctypes
 import math

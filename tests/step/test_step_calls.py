@@ -53,6 +53,32 @@ def test_no_pointer_may_be_null(driver, name, argument):
     assert driver.command[3] == (1.0 if argument == 2 else 0.0)
 
 
+def test_what_is_not_aligned_is_refused_and_not_touched(driver):
+    library, room = driver.library, (ctypes.c_double * 600)()
+    state, nodes = driver.state, ctypes.c_void_p(driver.nodes.ctypes.data)
+    odd, measurement = ctypes.c_void_p(ctypes.addressof(room) + 4), driver.measurement()
+    driver.step(tractor_steering=0.1)
+    before = bytes(state), bytes(room)
+    driver.command[3] = 1.0
+    calls = [
+        library.drawbar_init(odd),
+        library.drawbar_set_path(odd, nodes, 41),
+        library.drawbar_set_path(state, odd, 41),
+        library.drawbar_change_path(state, odd, 41, ctypes.c_double(0.0)),
+        library.drawbar_prepare(odd),
+        library.drawbar_set_speed(odd, ctypes.c_double(0.5)),
+        library.drawbar_get_estimate(state, odd),
+        library.drawbar_get_diagnostics(state, odd),
+        library.drawbar_step(state, measurement, odd),
+        library.drawbar_step(odd, measurement, driver.command),
+    ]
+    assert calls == [STATUS["UNALIGNED"]] * len(calls)
+    assert driver.command[:] == [0.0] * 4
+    assert library.drawbar_step(state, odd, driver.command) == STATUS["UNALIGNED"]
+    assert driver.command[1:] == [0.1, 0.0, 0.0]
+    assert (bytes(state), bytes(room)) == before
+
+
 def test_a_call_without_a_measurement_holds_the_steering(driver):
     driver.step(tractor_steering=0.1)
     before = bytes(driver.state)

@@ -85,9 +85,9 @@ class Driven:
 
     @property
     def held(self) -> bool:
-        """Whether the computer was fast enough: nothing worried the gate, and commands were in time."""
-        worries = (SupervisorState.DEGRADED, SupervisorState.FAULT)
-        return bool(len(self.errors)) and self.delay <= PROMPT and not any(each in worries for each in self.states)
+        """Whether the computer was fast enough: the gate was never degraded, and commands were in time."""
+        slow = (SupervisorState.DEGRADED, SupervisorState.FAULT)
+        return bool(len(self.errors)) and self.delay <= PROMPT and not any(each in slow for each in self.states)
 
 
 def rehearse(

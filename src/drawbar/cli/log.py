@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drawbar.cli.options import RunLogFile, console, refuse_to_replace, written
+from drawbar.cli.options import RunLogFile, refuse_to_replace, warnings, written
 from drawbar.cli.whole_files import write_whole
 from drawbar.errors import DrawbarError
 
@@ -36,7 +36,7 @@ def export(
         FilePath | None, typer.Option(parser=written, metavar="PATH", help="path and tracks in WGS84")
     ] = None,
 ) -> None:
-    """Write a log's content in other formats."""
+    """Write a log's content in other formats; standard output is free for --csv /dev/stdout."""
     from drawbar.recording.log import read_log
 
     chosen = {"--csv": csv, "--ros2": ros2, "--geojson": geojson}
@@ -50,7 +50,7 @@ def export(
             raise DrawbarError(f"{first} {one} and {second} {other}: are one file; give each its own.")
     content = read_log(file)
     for loss in content.losses:
-        console.print(f"{file}: {loss}", style="bold yellow", soft_wrap=True)
+        warnings.print(f"{file}: {loss}", style="bold yellow", soft_wrap=True)
     for option, target in targets:
         try:
             write_whole(target, partial(_writer(option), content))
@@ -58,8 +58,8 @@ def export(
             continue  # its reader, such as head, has what it wanted
         except OSError as error:
             raise DrawbarError(f"{target}: cannot be written ({error.strerror}); choose another file") from error
-        if target.is_file():  # a name would be no row of a table that goes to standard output
-            console.print(str(target), soft_wrap=True)
+        if target.is_file():
+            warnings.print(str(target), soft_wrap=True)
 
 
 def _writer(option: str) -> Callable[["RunLog", FilePath], None]:

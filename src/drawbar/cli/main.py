@@ -1,7 +1,6 @@
 """The program: puts the commands together and turns every expected error into one message."""
 
 import errno
-import os
 import sys
 from typing import Annotated
 
@@ -26,10 +25,10 @@ from drawbar.cli.tube import tube
 from drawbar.cli.tune import tune
 from drawbar.cli.version import version_text
 from drawbar.errors import DrawbarError
-from drawbar.terminal import degrade_output, open_what_is_closed
+from drawbar.terminal import degrade_output, discard, open_what_is_closed
 
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
-_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.EPIPE)
+_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EIO)
 """what is wrong where output cannot be written; such an error names no file"""
 DRIVING = (run, drive, console, check, calibrate, stand_in)
 LOOKING = (report, replay, identify, config, events, tube, path, export, bench, experiment, tune)
@@ -74,14 +73,19 @@ def main() -> None:
     except DrawbarError as error:
         _show(str(error))
         sys.exit(2)
+    except BrokenPipeError:  # its reader, such as head, has what it wanted
+        discard(sys.__stdout__ or sys.stdout)
     except OSError as error:
         if error.filename is None and error.errno not in _FULL:
             raise
         _show(f"{error.filename or 'output cannot be written'}: {error.strerror}")
         if error.filename is None:
-            os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what is left of it is not tried again when Python ends
+            discard(sys.stdout)  # what is left of it is not tried again when Python ends
         sys.exit(2)
     except SystemExit as end:
+        if isinstance(end.__context__, BrokenPipeError):  # met while typer printed
+            discard(sys.__stdout__ or sys.stdout)
+            return
         if isinstance(end.__context__, typer.Exit) and isinstance(end.__context__.__cause__, KeyboardInterrupt):
             typer.echo("interrupted", err=True)
         raise

@@ -1,4 +1,4 @@
-/* Fields of the workspace, whose places are told to a caller in another language. */
+/* Fields of the workspace: names, places and shapes for a caller in another language. */
 #ifndef DRAWBAR_FIELDS_H
 #define DRAWBAR_FIELDS_H
 

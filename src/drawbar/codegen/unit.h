@@ -1,8 +1,8 @@
 /* Unit: UNIT(name) names what a unit offers to the others of its library; the unit defines it before it includes
  * anything.
  *
- * In Python's own library somebody may watch a solver: before each of its phases the watcher is called, with the data in
- * place. An exported library has no watchers.
+ * In Python's own library a solver can have a watcher, which is called before each of its phases, with the data in place; an
+ * exported library has none.
  */
 #ifndef DRAWBAR_UNIT_H
 #define DRAWBAR_UNIT_H

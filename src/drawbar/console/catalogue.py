@@ -37,7 +37,7 @@ TEXTS: Mapping[str, tuple[str, str]] = {
         "Press 1 Prepare, then within five seconds 2 Engage.",
         "1 Vorbereiten drücken, dann innerhalb von fünf Sekunden 2 Einschalten.",
     ),
-    "worries": ("Attention while driving", "Achtung während der Fahrt"),
+    "warnings": ("Attention while driving", "Achtung während der Fahrt"),
     "because": ("Because: {cause}", "Grund: {cause}"),
     "wait_ready": ("All is well; wait two seconds.", "Alles in Ordnung; zwei Sekunden warten."),
     # controls

@@ -93,7 +93,7 @@ CAUSES_DE: Mapping[Cause, tuple[str, str]] = {
         "Ventil, Motor und Sensor prüfen; drawbar check ausführen"),
     Cause.STEERING_REVERSED: ("eine Lenkung bewegt sich von ihrem Sollwert weg",
         "Vorzeichen von Lenkung und Sensor prüfen; drawbar check ausführen"),
-    Cause.LET_GO: ("eine Lenkung hat von selbst losgelassen",
+    Cause.ACTUATOR_RELEASED: ("eine Lenkung hat von selbst losgelassen",
         "die Anzeige der Maschine nennt den Grund"),
     Cause.NOT_TAKEN: ("Lenkungen oder Regler haben nicht rechtzeitig übernommen",
         "Anzeige der Maschine ansehen; wieder einschalten"),

@@ -83,7 +83,7 @@ class DrivePage:
             self._instruments.draw(seen)
 
     def _announce_lost_record(self) -> None:
-        """Tell, once, that nothing is recorded any more: steering continues, and the list of worries may be long."""
+        """Tell, once, that nothing is recorded any more: steering continues, and the list of warnings may be long."""
         gate = self._link.gate
         lost = gate is not None and bool(gate.steers) and Cause.NOT_RECORDING.value in gate.refusals
         if lost and not self._lost:

@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 from drawbar.console.drawing import Moving
 from drawbar.console.words import Words
-from drawbar.driving.operator.display import BAD, GOOD, STANDS, WORRIED, notices
+from drawbar.driving.operator.display import BAD, GOOD, STANDS, WARNING, notices
 from drawbar.driving.operator.requests import wished_speed
 from drawbar.messages import ControllerState, GateState, SupervisorState
 from drawbar.safety.causes import BY_CODE, Cause
@@ -53,7 +53,7 @@ class Board:
     heading: str
     """over the reasons"""
     reasons: tuple[tuple[str, str], ...]
-    """what stands against engaging or worries, each with what to do"""
+    """what stands against engaging, or warnings while driving, each with what to do"""
     lease: str
     may_arm: bool
     may_engage: bool
@@ -98,11 +98,11 @@ def board(
     return Board(
         word=words(state.name),
         symbol=_SYMBOLS[state],
-        tone="good" if state in GOOD else "warn" if state in WORRIED else "bad" if state in BAD else "idle",
+        tone="good" if state in GOOD else "warn" if state in WARNING else "bad" if state in BAD else "idle",
         detail=_detail(gate, words, None if controller is None else Status(controller.status)),
         brake=bool(gate.stop) and state is not SupervisorState.STOPPED and not abs(speed) <= STANDS,
         steers=driving,
-        heading=words("next" if ready else "worries" if driving else "why_not") + _count(reasons),
+        heading=words("next" if ready else "warnings" if driving else "why_not") + _count(reasons),
         reasons=reasons,
         lease=_lease(words, mine=mine, holder=holder, drives=drives),
         may_arm=drives and ready and not (gate.armed and mine) and (mine or holder is None),

@@ -17,7 +17,7 @@ struct actuator {
     SETTING(component, place.rate_share, 0, 1, 0, 0) SETTING(component, place.sign, 0, 1, 0, 0)
 
 /* The command (rad) that moves the steering (rad) at a mean rate (rad/s) over a sample. It ends at the limit, which the
- * lag then approaches from inside; `rate` becomes the one that the command makes. */
+ * lag then approaches from inside; `rate` becomes the rate of that command. */
 static inline double actuator_follow(const struct actuator *actuator, double steering, double *rate)
 {
     const double wanted = actuator->sign * (steering + actuator->lead * *rate);

@@ -16,7 +16,7 @@
 
 struct component {
     double limit;                          /* largest command, rad */
-    int32_t count;                         /* deviations that the law knows; none: no law */
+    int32_t count;                         /* number of the law's coordinates; 0: no law */
     int32_t facet_count;
     double gain[MOST_DEVIATIONS];          /* K: rad per error */
     double facets[MOST_FACETS][MOST_DEVIATIONS];   /* directions in which the margin is measured */

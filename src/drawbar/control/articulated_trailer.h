@@ -23,8 +23,8 @@ struct component {
     struct shared_error shared;
     int32_t coupling;                      /* enum coupling */
     double interval;                       /* between stages, s */
-    double smoothing;                      /* what one sample of the tractor's yaw rate counts */
-    double return_length;                  /* within which the tractor comes back to its target, m */
+    double smoothing;                      /* weight of one sample of the tractor's yaw rate */
+    double return_length;                  /* l, within which the tractor returns to its targets, m */
 
     double yaw_rate;                       /* of the tractor, smoothed, rad/s */
 };
@@ -40,7 +40,7 @@ static void body_state(const struct drawbar_estimate *estimate, double *state)
     state[X_STEERING] = estimate->trailer_steering;
 }
 
-/* Let the tractor turn (rad/s) and be (m, rad) so at a stage. */
+/* Set the tractor's predicted yaw rate (rad/s) and pose (m, rad) at a stage. */
 static inline void place_tractor(double *p, double yaw_rate, double x, double y, double yaw)
 {
     p[P_TRACTOR_YAW_RATE] = yaw_rate;
@@ -49,7 +49,7 @@ static inline void place_tractor(double *p, double yaw_rate, double x, double y,
     p[P_TRACTOR_YAW] = yaw;
 }
 
-/* Let the tractor do what it plans. */
+/* Predict the tractor by its own plan. */
 static void follow_plan(struct component *component, const struct drawbar_body_plan *tractor)
 {
     for (int k = 0; k <= N; ++k) {
@@ -61,27 +61,32 @@ static void follow_plan(struct component *component, const struct drawbar_body_p
     }
 }
 
-/* Let the tractor come back to its targets (m; slopes in rad) beside the line as a critically damped oscillator does: after
- * a distance s its offset is (e + (e' + e / l) s) exp(-s / l), with today's offset e and slope e' against the target. It
- * turns to where the targets lead within l as well. `forward` and `left`: cosines and sines of the line's yaws. Returns 0
- * where the line is not finite. */
+/* The tractor's lateral targets beside its line at each stage, m, and their slopes, rad; cosines and sines of the line's yaws. */
+struct line_targets {
+    double lateral[N + 1], slopes[N + 1];
+    const double *forward, *left;
+};
+
+/* Predict a tractor that returns to its targets as a critically damped oscillator: after a distance s its offset is
+ * (e + (e' + e / l) s) exp(-s / l), with the present offset e and slope e' against the target. Its heading approaches that of
+ * the targets within l as well. Returns 0 where the line is not finite. */
 static int follow_targets(struct component *component, const struct drawbar_estimate *estimate,
-                          const struct drawbar_body_reference *tractor, const double *targets, const double *slopes,
-                          const double *forward, const double *left)
+                          const struct drawbar_body_reference *tractor, const struct line_targets *targets)
 {
+    const double *const slopes = targets->slopes, *const forward = targets->forward, *const left = targets->left;
     const double *closest = tractor->samples[0], crab = estimate->tractor_crab;
     const double along = forward[0], across = left[0];
     const double dx = estimate->tractor.x - closest[AT_X], dy = estimate->tractor.y - closest[AT_Y];
     const double ahead = along * dx + across * dy, left_of = along * dy - across * dx;
     const double steep = tan(clipped(wrapped(estimate->tractor.yaw + crab - closest[AT_YAW]), STEEPEST));
-    const double offset = left_of - targets[0], bend = steep - slopes[0] + offset / component->return_length;
+    const double offset = left_of - targets->lateral[0], bend = steep - slopes[0] + offset / component->return_length;
     const double step = estimate->longitudinal_slip * estimate->speed * component->interval;
     const double fades = exp(-step / component->return_length);
     double share = 1.0, aims = slopes[0], last = 0.0, sum = 0.0;
 
     for (int k = 0; k <= N; ++k) {
         const double *sample = tractor->samples[k];
-        const double back = (offset + bend * k * step) * share, beside = targets[k] + back;
+        const double back = (offset + bend * k * step) * share, beside = targets->lateral[k] + back;
         const double away = bend * share - back / component->return_length;
         const double yaw = sample[AT_YAW] + lane_atan(aims + away) - component->rti.p[k][P_TRACTOR_CRAB];
         double *p = component->rti.p[k];
@@ -98,17 +103,17 @@ static int follow_targets(struct component *component, const struct drawbar_esti
     return isfinite(sum);
 }
 
-/* Let the tractor come back to where its controller wants it beside the line. */
+/* Predict a tractor that returns to the lateral targets of its own controller. */
 static int follow_line(struct component *component, const struct drawbar_estimate *estimate,
                        const struct drawbar_body_reference *tractor, const double *forward, const double *left)
 {
-    double targets[N + 1], slopes[N + 1];
+    struct line_targets targets = {.forward = forward, .left = left};
 
-    shared_targets(&component->shared, estimate, tractor->samples, N + 1, targets, 1, slopes);
-    return follow_targets(component, estimate, tractor, targets, slopes, forward, left);
+    shared_targets(&component->shared, estimate, tractor->samples, N + 1, targets.lateral, 1, targets.slopes);
+    return follow_targets(component, estimate, tractor, &targets);
 }
 
-/* The tractor's smoothed present yaw rate, rad/s; one that is not finite is none to go on from. */
+/* The tractor's smoothed present yaw rate, rad/s; one that is not finite leaves the filter as it was. */
 static double smoothed_yaw_rate(struct component *component, const struct drawbar_estimate *estimate, double speed)
 {
     const double measured = tractor_yaw_rate(estimate, speed, component->chain.wheelbase);
@@ -119,7 +124,7 @@ static double smoothed_yaw_rate(struct component *component, const struct drawba
     return smoothed;
 }
 
-/* Let the tractor keep its smoothed present yaw rate (measured coupling), or go straight (neglected). */
+/* Predict a tractor of constant, smoothed yaw rate (measured coupling), or one that drives straight (neglected). */
 static void assume_tractor(struct component *component, const struct drawbar_estimate *estimate)
 {
     const struct drawbar_pose *pose = &estimate->tractor;

@@ -4,7 +4,7 @@
 
 #include "centralised.h"
 
-/* Take in the estimate and both bodies' references. */
+/* Fill the problem with the estimate and both bodies' references. */
 static void take_in(struct component *component, const struct drawbar_estimate *estimate,
                     const struct drawbar_body_reference *tractor_reference,
                     const struct drawbar_body_reference *trailer_reference)

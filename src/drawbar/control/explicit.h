@@ -1,6 +1,6 @@
 /* Explicit controller, in closed form: a steering law for the tractor, a PI controller for the trailer.
  *
- * It steers without a prediction; the plan says what would follow if the command were held: the tractor rolls on at
+ * It steers without a prediction; its plan is the motion under the held command: the tractor continues at
  * constant speed and curvature, the bicycle's, and the trailer is on its reference.
  *
  * The unit defines N, the samples of the path ahead. The header of a law defines struct law, LAW_FIELDS and

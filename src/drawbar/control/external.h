@@ -1,6 +1,6 @@
 /* External controller, the user's own, in Python: called back at each sample. For Python's own library alone.
  *
- * It gives both steering angles; what it plans beyond them is not known, so the plan says that they are held and that both
+ * It gives both steering angles; its further plan is unknown, so the plan assumes that they are held and that both
  * bodies are on their references. The unit defines N, the samples of the path ahead.
  */
 #ifndef DRAWBAR_EXTERNAL_H

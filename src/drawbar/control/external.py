@@ -1,6 +1,6 @@
 """A controller of the user's own in the place of the product's: `controller.model = "my_package:MyController"`.
 
-It takes part in the whole control step: the estimator before it, the gate and the supervisor behind it, the records.
+It takes part in the whole control step: the estimator before it, the gate and the run monitor behind it, the records.
 """
 
 import ctypes

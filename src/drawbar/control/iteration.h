@@ -1,4 +1,4 @@
-/* Iteration of a controller's solver from sample to sample: started anew where it must be, and judged. Around the
+/* Iteration of a controller's solver from sample to sample: restarted where its last plan cannot be used, and judged. Around the
  * solver's phases:
  *
  *     feedback: iteration_enter, rti_feedback, iteration_leave; preparation: iteration_ready
@@ -9,17 +9,17 @@
 #include "rti.h"
 #include "unit.h"
 
-#define TORN 0.5                           /* gap in a plan, m or rad, from which on a full step cannot be believed */
+#define LARGEST_GAP 0.5                    /* between intervals of a plan, m or rad, for a full step to be valid */
 
 struct iteration {
-    int32_t usable;                        /* the last plan can be gone on from */
-    int32_t torn;                          /* the last plan's intervals did not nearly meet */
+    int32_t usable;                        /* the last plan can be continued */
+    int32_t discontinuous;                 /* the last plan has a gap larger than LARGEST_GAP */
 };
 
 /* Linearise along a first guess, made of what was filled in; the including unit defines it. */
 static void guess(struct rti *solver);
 
-/* What the first state of the problem is given as, or shall be where it is free. */
+/* The given first state of the problem, or its reference where it is free. */
 static inline double *iteration_begin(struct rti *solver)
 {
     return FREE_INITIAL ? solver->prior : solver->initial;
@@ -34,7 +34,7 @@ static inline void iteration_rest(struct rti *solver)
     rti_prepare(solver);
 }
 
-/* Go on from the last plan or, where that is none, from the guess. */
+/* Continue from the last plan or, without one, from the guess. */
 static inline void iteration_enter(const struct iteration *iteration, struct rti *solver)
 {
     if (!iteration->usable) {
@@ -43,25 +43,25 @@ static inline void iteration_enter(const struct iteration *iteration, struct rti
     }
 }
 
-/* Return what has become of the new plan. */
+/* Return the status of the new plan. */
 static inline int iteration_leave(struct iteration *iteration, const struct rti *solver)
 {
     iteration->usable = solver->status == SOLVED;
-    return iteration->torn ? CHECK_FAILED : solver->status;
+    return iteration->discontinuous ? CHECK_FAILED : solver->status;
 }
 
-/* Shift the plan by one sample and linearise along it. One whose intervals do not nearly meet is none: the next one
- * starts afresh, and says so in its status. */
+/* Shift the plan by one sample and linearise along it. A discontinuous one is discarded: the next one restarts,
+ * with that in its status. */
 static inline int iteration_ready(struct iteration *iteration, struct rti *solver)
 {
     const double *gaps = &solver->qp.c[0][0];
 
     WATCHED(WATCHED_SHIFT, rti_shift(solver));
     WATCHED(WATCHED_PREPARE, rti_prepare(solver));
-    iteration->torn = 0;
+    iteration->discontinuous = 0;
     for (int i = 0; i < N * NX; ++i)
-        iteration->torn |= !(fabs(gaps[i]) <= TORN);
-    iteration->usable &= !iteration->torn;
+        iteration->discontinuous |= !(fabs(gaps[i]) <= LARGEST_GAP);
+    iteration->usable &= !iteration->discontinuous;
     return SOLVED;
 }
 

@@ -1,7 +1,7 @@
 /* Linear quadratic regulator in path coordinates (Snider 2009, Automatic Steering Methods, CMU-RI-TR-09-08).
  *
  * Feeds lateral and heading error back on top of the steering that holds the path's curvature. The feed-forward is the
- * product's: it knows the estimated slips. The lateral error counts no further than where it is balanced by the
+ * product's, with the estimated slips. The lateral error counts no further than where it is balanced by the
  * steepest approach.
  */
 #ifndef DRAWBAR_LQR_H

@@ -1,4 +1,4 @@
-/* Neighbour: what the trailer's controller may know of the tractor; its coupling decides how much of it is used
+/* Neighbour: line and plan of the tractor for the trailer's controller; its coupling decides which of them is used
  * (subsystem.h). */
 #ifndef DRAWBAR_NEIGHBOUR_H
 #define DRAWBAR_NEIGHBOUR_H
@@ -7,7 +7,7 @@
 
 struct drawbar_neighbour {
     const struct drawbar_body_reference *reference;   /* its line: given to both controllers by the guidance */
-    const struct drawbar_body_plan *plan;             /* what its controller plans */
+    const struct drawbar_body_plan *plan;  /* what its controller plans */
 };
 
 #endif

@@ -35,7 +35,7 @@ static inline double off_tracking_remainder(const struct off_tracking *vehicle, 
  * The tractor takes a share of what remains beyond an accepted error, at most half of what remains, and keeps a little
  * outside of every curve, where the trailer's steering has nothing left to correct with. The target changes no faster than
  * the trailer can follow, a first-order lag of the trailer's length along the path. Both controllers compute it: the tractor's
- * keeps to it, the trailer's knows by it where the tractor will be. */
+ * tracks it, the trailer's predicts the tractor by it. */
 struct shared_error {
     struct off_tracking off_tracking;
     double share;                          /* of the error beyond the accepted one */
@@ -67,8 +67,8 @@ static inline double steady_target(const struct shared_error *shared, const stru
 }
 
 /* The lateral targets (m, left positive) at the next stages of the path (x, y, yaw, curvature), and the slopes (rad; or NULL)
- * at which they leave the line; the next call begins at the second. Targets are stride numbers apart. What is not finite
- * now is nothing to begin at then. */
+ * at which they leave the line; the next call begins at the second. Targets are stride numbers apart. A first one
+ * that is not finite is not kept. */
 static inline void shared_targets(struct shared_error *shared, const struct drawbar_estimate *estimate,
                                   const double (*samples)[4], int stages, double *targets, int stride, double *slopes)
 {

@@ -1,5 +1,5 @@
-/* Rate bounds of planned steerings: the share of an actuator's rate that the tube leaves to plans, of the rate that was
- * found. */
+/* Rate bounds of planned steerings: the share of an actuator's rate that the tube leaves to plans, of the
+ * identified rate. */
 #ifndef DRAWBAR_RATE_BOUNDS_H
 #define DRAWBAR_RATE_BOUNDS_H
 

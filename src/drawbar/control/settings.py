@@ -102,7 +102,7 @@ class ArticulatedControllerSettings(Settings):
     """what the trailer's controller knows of the tractor's motion"""
     yaw_rate_lag: Positive = 0.9
     """time constant of the filter on the tractor's measured yaw rate before it is held over the horizon, where the
-    coupling is "measured": held noise would send the trailer's preview astray, s"""
+    coupling is "measured": noise would be held over the trailer's preview, s"""
     return_length: Positive = 0.9
     """way within which the tractor is taken to come back to its line, where the coupling is "following", m"""
     sharing: SharingSettings = SharingSettings()

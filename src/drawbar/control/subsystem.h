@@ -24,11 +24,11 @@
 
 #define DEVIATIONS (NX - POSE_STATES)
 
-/* What the trailer's controller knows of the tractor's motion (g_2 in equation nonlinearmodel). */
+/* What the trailer's controller assumes of the tractor's motion (g_2 in equation nonlinearmodel). */
 enum coupling { NEGLECTED, MEASURED, FOLLOWING, PLANNED };
 
 struct subsystem {
-    int32_t restarts;                      /* the problem starts at the estimate (predicted), not where it got to */
+    int32_t restarts;                      /* the problem starts at the estimate, not at the last plan's successor */
     double reach[NX];                      /* optimised: largest |x^ - successor| at which x_0 may be chosen anew */
     double half_widths[NX];                /* optimised: the box around x^ that it is chosen from */
 
@@ -36,7 +36,7 @@ struct subsystem {
     int32_t predicts;                      /* the last plan was solved: `successor` holds */
     int32_t solved;                        /* a plan has been solved; poses and steerings are of the last such */
     double successor[NX];                  /* the nominal state one sample after that plan's first */
-    double frame[3];                       /* optimised: pose from which all of this is seen */
+    double frame[3];                       /* optimised: pose of the frame in which all of this is stated */
 
     double estimated[NX], nominal[NX];     /* x^, and the nominal state beside it */
     double poses[N + 1][3], steerings[N], deviation[NX];   /* the plan's */

@@ -9,8 +9,7 @@
 typedef char states_begin_with_a_pose[(int)X_X == AT_X && (int)X_Y == AT_Y && (int)X_YAW == AT_YAW ? 1 : -1];
 #endif
 
-/* The nominal state, without what separates it from the estimate along the path; the estimate itself where there is
- * none to go on from. */
+/* The nominal state, moved along the path to beside the estimate; the estimate itself without a last plan. */
 static void nominal_state(struct subsystem *body, const double *closest)
 {
     memcpy(body->nominal, body->predicts ? body->successor : body->estimated, sizeof body->nominal);
@@ -18,7 +17,7 @@ static void nominal_state(struct subsystem *body, const double *closest)
         move_beside(body->nominal, closest);
 }
 
-/* Let the problem start where the tube wants it to. */
+/* Set the problem's initial state: the estimate, the nominal state, or free within the tube. */
 static void set_begin(struct subsystem *body, struct rti *solver)
 {
     const double *begin = body->restarts ? body->estimated : body->nominal;
@@ -28,7 +27,7 @@ static void set_begin(struct subsystem *body, struct rti *solver)
         allow_first_state(body, solver);
 }
 
-/* Take in estimate, reference and, for couplings that need it, the other body's line and plan (or NULL). */
+/* Fill the problem with estimate, reference and, for couplings that need it, the other body's line and plan (or NULL). */
 static void take_in(struct component *component, const struct drawbar_estimate *estimate,
                     const struct drawbar_body_reference *reference, const struct drawbar_neighbour *neighbour)
 {
@@ -39,7 +38,7 @@ static void take_in(struct component *component, const struct drawbar_estimate *
 
     if (FREE_INITIAL && POSE_STATES) {
         change_frame(body, &component->rti, reference->closest);
-        see_from_frame(body, &here, &ahead, samples);
+        state_in_frame(body, &here, &ahead, samples);
     }
     body_state(&here, body->estimated);
     nominal_state(body, ahead.closest);
@@ -74,8 +73,8 @@ static void make_plan(struct component *component, struct drawbar_body_plan *pla
         place_in_world(body);
 }
 
-/* Both bodies steer by a plan's first command and by how far the estimate is from its begin. Where the solver failed that
- * is the last plan that was solved, as long as there has been one, and the distance from it is not known. */
+/* A body steers by a plan's first command and by the deviation of the estimate from its initial state. Where the solver failed
+ * that is the last solved plan, if there has been one, and the deviation is zero. */
 int UNIT(feedback)(struct component *component, const struct drawbar_estimate *estimate,
                    const struct drawbar_body_reference *reference, const struct drawbar_neighbour *neighbour,
                    struct drawbar_body_plan *plan, struct lent *lent)
@@ -89,7 +88,7 @@ int UNIT(feedback)(struct component *component, const struct drawbar_estimate *e
     plan->status = iteration_leave(&body->iteration, solver);
     body->predicts = plan->status == SOLVED;
     body->solved |= body->predicts;
-    if (!body->predicts)                   /* of a plan that failed only the initial state is known */
+    if (!body->predicts)                   /* only the initial state of a failed plan is valid */
         memcpy(first, iteration_begin(solver), NX * sizeof *first);
     if (body->predicts || !body->solved) {
         make_plan(component, plan);

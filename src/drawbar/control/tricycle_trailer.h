@@ -1,4 +1,4 @@
-/* Tricycle trailer, the paper's nominal controller f_2, with g_2 as the coupling says. */
+/* Tricycle trailer, the paper's nominal controller f_2, with g_2 by the coupling. */
 #ifndef DRAWBAR_TRICYCLE_TRAILER_H
 #define DRAWBAR_TRICYCLE_TRAILER_H
 
@@ -18,7 +18,7 @@ static void body_state(const struct drawbar_estimate *estimate, double *state)
     pose_state(&estimate->trailer, state);
 }
 
-/* l/L_t tan(kappa delta_t) over the horizon, as far as this controller knows it. */
+/* l/L_t tan(kappa delta_t) over the horizon, by the coupling. */
 static void fill_pull(struct component *component, const struct drawbar_estimate *estimate,
                       const struct drawbar_neighbour *tractor)
 {

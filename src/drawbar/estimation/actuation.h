@@ -1,22 +1,21 @@
-/* Actuation of both steerings: dead time, lag and rate between command and angle as far as they are known, from the run
- * itself.
+/* Actuation of both steerings: dead time, lag and rate between command and angle, identified during the run.
  *
- * Plans are made for the later of both dead times and for both rates, approached gradually, and commands lead the steering
- * by the lags that were found: a controller's command moves an actuator of the stated lag from the angle at which it will
- * find it, and is stretched about that angle for one of another lag. What a measured angle is off its commands on average is
- * taken off them: the plans are made in what the sensors say.
+ * Plans assume the longer of both dead times and both rates, which are approached gradually, and commands lead the steering
+ * by the identified lags: a controller's command is made for an actuator of the stated lag and its predicted angle, and is
+ * scaled about that angle for another lag. The mean difference of a measured angle from its commands is subtracted from them:
+ * plans are made in the angles that the sensors measure.
  */
 #ifndef DRAWBAR_ACTUATION_H
 #define DRAWBAR_ACTUATION_H
 
+#include "frozen_signal.h"
 #include "lag_bank.h"
 #include "signals.h"
-#include "still.h"
 #include "unit.h"
 
-#define OFFSET_SETTLING 15.0               /* s; and not while an angle repeats itself: it may be stuck */
-#define STUCK_SHARE 0.5                    /* of the error that nothing explains, by which a steering moves beside a stuck sensor */
-#define STUCK_FAR 2.0                      /* times as far, and further, a sample counts as so many */
+#define OFFSET_SETTLING 15.0               /* time constant of the offsets, s; they rest while an angle repeats itself */
+#define STUCK_SHARE 0.5                    /* of the residual limit, by which a steering moves while a sensor is stuck */
+#define STUCK_FAR 2.0                      /* times that motion from which on a sample counts as so many */
 
 enum { FRONT_WHEELS, TRAILER_JOINT, STEERED };
 
@@ -26,15 +25,15 @@ struct component {
     double limits[STEERED];                /* largest commands, rad */
     double sign;                           /* -1 where the joint's actuator is reversed, else 1 */
     double sample_time;                    /* s */
-    double settling;                       /* share of a difference by which what is planned with changes in a sample */
-    double dead_time, lags[STEERED], rates[STEERED];   /* what is planned with, s, rad/s */
+    double settling;                       /* share of a difference by which the planned values change in a sample */
+    double dead_time, lags[STEERED], rates[STEERED];   /* that plans assume, s, rad/s */
     double offsets[STEERED];               /* of the measured angles from the commands, rad */
-    double odd, patience;                  /* error that nothing explains, rad, and for how long it may last, s */
-    double odd_for[STEERED];               /* for how long it has, s */
-    struct still still[STEERED];           /* the measured angle, and the likeliest member's, rad */
-    double stuck_for[STEERED];             /* for how long that has moved too far, longer the further, s */
-    double ages[STEERED];                  /* of the measured angles, s: they count as dead time where they are told */
-    int32_t judged, unjudged;              /* how often a bank was judged; there are angles that none is judged by yet */
+    double residual, patience;             /* limits of the unexplained error, rad, and of its duration, s */
+    double unexplained_time[STEERED];      /* for how long the error has exceeded its limit, s */
+    struct frozen_signal frozen[STEERED];  /* measured angle, and that of the likeliest member, rad */
+    double stuck_time[STEERED];            /* for how long that has moved too far, weighted by the distance, s */
+    double ages[STEERED];                  /* of the measured angles, s: a reported age counts as dead time */
+    int32_t updates, unprocessed;          /* number of likelihood updates; there are angles that await one */
 };
 
 #define COMPONENT_FIELDS                                                                                          \
@@ -43,10 +42,10 @@ struct component {
     SETTING(component, sign, 0, 1, 0, 0) SETTING(component, sample_time, 0, 1, 0, 0)                                   \
     SETTING(component, settling, 0, 1, 0, 0) SETTING(component, dead_time, 0, 1, 0, 0)                                 \
     SETTING(component, lags, 0, STEERED, 0, 0) SETTING(component, rates, 0, STEERED, 0, 0)                             \
-    SETTING(component, odd, 0, 1, 0, 0) SETTING(component, patience, 0, 1, 0, 0)                                       \
-    FIELD(component, odd_for, 0, STEERED, 0, 0) FIELD(component, stuck_for, 0, STEERED, 0, 0)
+    SETTING(component, residual, 0, 1, 0, 0) SETTING(component, patience, 0, 1, 0, 0)                                  \
+    FIELD(component, unexplained_time, 0, STEERED, 0, 0) FIELD(component, stuck_time, 0, STEERED, 0, 0)
 
-/* Let what is planned with approach what is known. */
+/* Move the planned values towards the identified ones. */
 static void approach(struct component *actuation)
 {
     const struct lag_bank *banks = actuation->banks;
@@ -57,51 +56,51 @@ static void approach(struct component *actuation)
     for (int i = 0; i < STEERED; ++i) {
         actuation->lags[i] += actuation->settling * (banks[i].lag - actuation->lags[i]);
         actuation->rates[i] += actuation->settling * (banks[i].rate - actuation->rates[i]);
-        if (actuation->still[i].repeated == 0)
+        if (actuation->frozen[i].repeated == 0)
             actuation->offsets[i] += actuation->sample_time / OFFSET_SETTLING
                 * (bank_offset(&banks[i], &actuation->grid) - actuation->offsets[i]);
     }
 }
 
-/* Whether one steering has not followed its commands for too long, whatever its dead time and its lag are. */
+/* Whether a steering has failed to follow its commands for too long, whatever its dead time and its lag are. */
 static int does_not_follow(struct component *actuation, int i, double measured)
 {
-    const int odd = bank_unexplained(&actuation->banks[i], measured) > actuation->odd;
+    const int exceeds = bank_unexplained(&actuation->banks[i], measured) > actuation->residual;
 
-    actuation->odd_for[i] = odd ? actuation->odd_for[i] + actuation->sample_time : 0.0;
-    return actuation->odd_for[i] > actuation->patience;
+    actuation->unexplained_time[i] = exceeds ? actuation->unexplained_time[i] + actuation->sample_time : 0.0;
+    return actuation->unexplained_time[i] > actuation->patience;
 }
 
 /* Whether a measured angle has stayed the very same for too long after commands should have moved it. */
 static int is_stuck(struct component *actuation, int i, double measured, double speed)
 {
-    struct still *still = &actuation->still[i];
+    struct frozen_signal *frozen = &actuation->frozen[i];
 
     const struct lag_bank *bank = &actuation->banks[i];
-    still_take(still, measured, bank->angle[bank_likeliest(bank, &actuation->grid)], speed);
-    const double least = STUCK_SHARE * actuation->odd, missed = still_missed(still, least) / least;
+    frozen_update(frozen, measured, bank->angle[bank_likeliest(bank, &actuation->grid)], speed);
+    const double least = STUCK_SHARE * actuation->residual, missed = frozen_excess(frozen, least) / least;
 
     if (!(missed > 1.0)) {
-        actuation->stuck_for[i] = 0.0;
+        actuation->stuck_time[i] = 0.0;
         return 0;
     }
-    actuation->stuck_for[i] += fmin(missed, STUCK_FAR) * actuation->sample_time;
-    return actuation->stuck_for[i] > actuation->patience || still_unusual(still) >= 1.0;
+    actuation->stuck_time[i] += fmin(missed, STUCK_FAR) * actuation->sample_time;
+    return actuation->stuck_time[i] > actuation->patience || frozen_repetition(frozen) >= 1.0;
 }
 
-/* Do what can be done before the next measurement. A bank is judged here, one after the other: what the last angles say
- * about a minute may wait for a sample, the command may not. */
+/* Preparation for the next measurement. The likelihoods of one bank are updated here, in turn: they average over a minute and
+ * may be a sample late, the command may not. */
 int UNIT(ready)(struct component *actuation)
 {
     for (int i = 0; i < STEERED; ++i)
         bank_follow(&actuation->banks[i], &actuation->grid);
-    if (actuation->unjudged)
-        bank_judge(&actuation->banks[actuation->judged++ % STEERED], &actuation->grid);
-    actuation->unjudged = 0;
+    if (actuation->unprocessed)
+        bank_update(&actuation->banks[actuation->updates++ % STEERED], &actuation->grid);
+    actuation->unprocessed = 0;
     return 0;
 }
 
-/* Take in the steering angles of a measurement; returns 0 or the status with which the run ends. */
+/* Update with the steering angles of a measurement; returns 0 or the status with which the run ends. */
 int UNIT(measured)(struct component *actuation, const struct drawbar_measurement *measurement)
 {
     const double measured[] = {measurement->tractor_steering, measurement->trailer_steering};
@@ -111,22 +110,22 @@ int UNIT(measured)(struct component *actuation, const struct drawbar_measurement
         actuation->ages[i] = ages[i] >= 0.0 && ages[i] <= 1.0 ? ages[i] : 0.0;
     UNIT(ready)(actuation);
     for (int i = 0; i < STEERED; ++i)
-        if (actuation->banks[i].begun)
+        if (actuation->banks[i].initialised)
             bank_measured(&actuation->banks[i], &actuation->grid, measured[i]);
         else
             bank_begin(&actuation->banks[i], measured[i]);
-    actuation->unjudged = 1;
+    actuation->unprocessed = 1;
     approach(actuation);
-    int odd = 0;
+    int faults = 0;
     for (int i = 0; i < STEERED; ++i)
-        odd += does_not_follow(actuation, i, measured[i]) + is_stuck(actuation, i, measured[i], measurement->speed);
-    return odd ? DRAWBAR_STEERING : 0;
+        faults += does_not_follow(actuation, i, measured[i]) + is_stuck(actuation, i, measured[i], measurement->speed);
+    return faults ? DRAWBAR_STEERING : 0;
 }
 
-/* Take in the command that was sent, and make it what the sensors will say of it. */
+/* Record a sent command, and add the offsets: the angle that the sensors will measure. */
 int UNIT(sent)(struct component *actuation, struct drawbar_command *command)
 {
-    if (!actuation->banks[FRONT_WHEELS].begun)
+    if (!actuation->banks[FRONT_WHEELS].initialised)
         return 0;
     bank_command(&actuation->banks[FRONT_WHEELS], &actuation->grid, command->tractor_steering);
     bank_command(&actuation->banks[TRAILER_JOINT], &actuation->grid, actuation->sign * command->trailer_steering);
@@ -141,9 +140,9 @@ static inline double lead(double sample_time, double lag)
     return -1.0 / expm1(-sample_time / lag);
 }
 
-/* Stretch a command, made for the stated lag, about the angle at which it will find the steering, rad; both and the offset
- * in the command's own sign. */
-static inline double stretched(const struct component *actuation, int i, double command, double found, double offset)
+/* Scale a command, made for the stated lag, about the predicted angle of the steering, rad; both and the offset in the
+ * command's own sign. */
+static inline double scaled(const struct component *actuation, int i, double command, double found, double offset)
 {
     const double share = lead(actuation->sample_time, actuation->lags[i])
         / lead(actuation->sample_time, actuation->banks[i].prior_lag);
@@ -152,17 +151,17 @@ static inline double stretched(const struct component *actuation, int i, double 
     return isfinite(wanted) ? clamped(wanted, -actuation->limits[i], actuation->limits[i]) : command;
 }
 
-/* Make commands for the stated lags ones for the lags that were found; `then` is the estimate when they begin to act. */
+/* Convert commands for the stated lags to the identified lags; `then` is the estimate when they begin to act. */
 int UNIT(adapt)(const struct component *actuation, const struct drawbar_estimate *then, double *tractor, double *trailer)
 {
     const double *const offsets = actuation->offsets, sign = actuation->sign;
 
-    *tractor = stretched(actuation, FRONT_WHEELS, *tractor, then->tractor_steering, offsets[FRONT_WHEELS]);
-    *trailer = stretched(actuation, TRAILER_JOINT, *trailer, sign * then->trailer_steering, sign * offsets[TRAILER_JOINT]);
+    *tractor = scaled(actuation, FRONT_WHEELS, *tractor, then->tractor_steering, offsets[FRONT_WHEELS]);
+    *trailer = scaled(actuation, TRAILER_JOINT, *trailer, sign * then->trailer_steering, sign * offsets[TRAILER_JOINT]);
     return 0;
 }
 
-static inline void tell_body(const struct lag_bank *bank, struct drawbar_body_actuation *body)
+static inline void report_body(const struct lag_bank *bank, struct drawbar_body_actuation *body)
 {
     body->dead_time = bank->dead_time;
     body->dead_time_deviation = bank->dead_time_deviation;
@@ -172,16 +171,16 @@ static inline void tell_body(const struct lag_bank *bank, struct drawbar_body_ac
     body->rate_deviation = bank->rate_deviation;
 }
 
-/* Tell what is known, and what is planned with. */
-int UNIT(tell)(const struct component *actuation, struct drawbar_actuation *told)
+/* Report the identified values, and those that plans assume. */
+int UNIT(report)(const struct component *actuation, struct drawbar_actuation *report)
 {
-    tell_body(&actuation->banks[FRONT_WHEELS], &told->tractor);
-    tell_body(&actuation->banks[TRAILER_JOINT], &told->trailer);
-    told->dead_time = actuation->dead_time;
-    told->tractor_lag = actuation->lags[FRONT_WHEELS];
-    told->trailer_lag = actuation->lags[TRAILER_JOINT];
-    told->tractor_rate = actuation->rates[FRONT_WHEELS];
-    told->trailer_rate = actuation->rates[TRAILER_JOINT];
+    report_body(&actuation->banks[FRONT_WHEELS], &report->tractor);
+    report_body(&actuation->banks[TRAILER_JOINT], &report->trailer);
+    report->dead_time = actuation->dead_time;
+    report->tractor_lag = actuation->lags[FRONT_WHEELS];
+    report->trailer_lag = actuation->lags[TRAILER_JOINT];
+    report->tractor_rate = actuation->rates[FRONT_WHEELS];
+    report->trailer_rate = actuation->rates[TRAILER_JOINT];
     return 0;
 }
 

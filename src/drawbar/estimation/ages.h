@@ -4,10 +4,10 @@
 
 #include "signals.h"
 
-#define AHEAD 0.05                         /* by how much a value may be of the future, s: it is of now */
-#define OF_NOW 1e-6                        /* s; 0 is not told */
+#define AHEAD 0.05                         /* by how much a value may be of the future and counts as of now, s */
+#define OF_NOW 1e-6                        /* s; 0: not reported */
 
-/* Let values that are a little of the future be of now, in place. */
+/* Set the ages of values that are a little of the future to now, in place. */
 static inline void ages_of_now(struct drawbar_measurement *m)
 {
     double *const ages[] = {&m->tractor_fix_age, &m->trailer_fix_age, &m->hitch_angle_age, &m->speed_age,

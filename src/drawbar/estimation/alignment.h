@@ -1,4 +1,4 @@
-/* Alignment: from what the sensors reported to what they would report of the points on the ground, now.
+/* Alignment: from measured values to those that the sensors would measure at the points on the ground, now.
  *
  * Positions: position_alignment.h. The other sensors' values change by what is expected of their quantities since they were
  * measured (between_samples.h), the tractor's yaw and yaw rate without their sensors' errors (yaw_alignment.h).
@@ -15,7 +15,7 @@
 struct component {
     struct fix_deviations deviations;
     struct chain chain;
-    double fix_age;                        /* of positions whose receiver does not tell, s */
+    double fix_age;                        /* of positions whose receiver reports none, s */
     struct position_alignment positions;
     struct coarse_noise noises[ALIGNED];
     struct yaw_sensor yaw;                 /* the tractor's */
@@ -27,12 +27,13 @@ struct component {
     FIX_DEVIATIONS_FIELDS(component, deviations) CHAIN_FIELDS(component, chain)                                        \
     SETTING(component, fix_age, 0, 1, 0, 0) POSITION_ALIGNMENT_FIELDS(component, positions)                            \
     SETTING(component, yaw.gate, 0, 1, 0, 0)                                                                           \
-    FIELD(component, yaw.error, 0, 1, 0, 0) FIELD(component, yaw_rate.doubted, 0, 1, 0, 0)
+    FIELD(component, yaw.error, 0, 1, 0, 0) FIELD(component, yaw_rate.exclusion, 0, 1, 0, 0)
 
-/* How old a fix is, s, with the latency that was found; NaN: too old, or of the future. */
-static inline double age_of_fix(const struct component *alignment, double told)
+/* The age of a fix, s, with the estimated latency; NaN: too old, or of the future. */
+static inline double age_of_fix(const struct component *alignment, double reported)
 {
-    const double age = (told == 0.0 || isnan(told) ? alignment->fix_age : told) + fmax(alignment->yaw_rate.latency, 0.0);
+    const double age = (reported == 0.0 || isnan(reported) ? alignment->fix_age : reported)
+        + fmax(alignment->yaw_rate.latency, 0.0);
     return age >= 0.0 && age <= OLDEST ? age : (double)NAN;
 }
 
@@ -49,7 +50,7 @@ static inline void align_angles(const struct since *since, struct drawbar_measur
                                      now->trailer_steering);
 }
 
-/* Let each fix, already on the ground, have the deviation that it is to be reckoned with; take away what is none. */
+/* Set the standard deviation of each fix, already on the ground; drop what is no fix. */
 static inline void judge_deviations(struct component *alignment, const struct drawbar_estimate *expected,
                                     struct drawbar_measurement *m)
 {
@@ -77,12 +78,12 @@ static inline void complete_trailer(const struct chain *chain, struct drawbar_me
     m->trailer_y = antenna[1];
 }
 
-/* The measurement that a run begins with: of a vehicle at rest, so that only the masts matter. Its yaws follow from where
- * both antennas are. A trailer without a position is where the tractor's yaw and the angles put it. */
+/* The measurement that a run begins with: of a vehicle at rest, so that only the masts matter. Its yaws follow from both
+ * antennas' positions. A missing position of the trailer follows from the tractor's yaw and the angles. */
 int UNIT(begin)(struct component *alignment, const struct drawbar_measurement *first,
                 struct drawbar_measurement *aligned)
 {
-    const double told[] = {first->tractor_roll, first->tractor_pitch, first->trailer_roll, first->trailer_pitch};
+    const double attitude[] = {first->tractor_roll, first->tractor_pitch, first->trailer_roll, first->trailer_pitch};
     const struct mast *const tractor = &alignment->positions.masts[ALIGNED_TRACTOR];
     const struct mast *const trailer = &alignment->positions.masts[ALIGNED_TRAILER];
     double arms[4], yaws[ALIGNED], lean[4];
@@ -94,7 +95,7 @@ int UNIT(begin)(struct component *alignment, const struct drawbar_measurement *f
     const struct drawbar_measurement reported = *aligned;
     for (int i = 0; i < 4; ++i) {
         const struct mast *mast = i < 2 ? tractor : trailer;
-        const double angle = told[i] - (i % 2 ? mast->pitch_offset : mast->roll_offset);
+        const double angle = attitude[i] - (i % 2 ? mast->pitch_offset : mast->roll_offset);
         lean[i] = fabs(angle) <= MOST_LEAN ? angle : 0.0;
     }
     if (!isfinite(reported.trailer_x + reported.trailer_y) && isfinite(reported.tractor_yaw)) {
@@ -118,8 +119,8 @@ int UNIT(begin)(struct component *alignment, const struct drawbar_measurement *f
     return 0;
 }
 
-/* What is found of the sensors: by how much fixes are later than was told, and how the roll sensors are mounted. */
-void UNIT(tell)(const struct component *alignment, struct drawbar_actuation *found)
+/* Report the identified errors of the sensors: unreported latency of fixes, zeros of the roll sensors. */
+void UNIT(report)(const struct component *alignment, struct drawbar_actuation *found)
 {
     const struct roll_zero tractor = roll_zero(&alignment->positions, ALIGNED_TRACTOR);
     const struct roll_zero trailer = roll_zero(&alignment->positions, ALIGNED_TRAILER);
@@ -142,7 +143,7 @@ int UNIT(apply)(struct component *alignment, const struct drawbar_measurement *m
 
     *aligned = *measurement;
     ages_of_now(aligned);
-    lean_watch_move(&positions->leans, moved_since(&since));
+    lean_watch_propagate(&positions->leans, moved_since(&since));
     move_swing(&positions->leans.swings[ALIGNED_TRACTOR], &since, &last->tractor, &expected->tractor);
     move_swing(&positions->leans.swings[ALIGNED_TRAILER], &since, &last->trailer, &expected->trailer);
     take_attitude(positions, ALIGNED_TRACTOR, &since, aligned->tractor_attitude_age, &aligned->tractor_roll,

@@ -8,7 +8,7 @@ from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import SensorNoise
 
 YAW_GATE = 0.1
-"""Furthest that a yaw by two antennas may be from the expected one to be believed, rad"""
+"""Largest innovation of a yaw by two antennas, rad; a larger one is rejected"""
 _RECORDED_LENGTHS = 1.5
 """How many lengths of the vehicle the record of the ground holds at least"""
 _PLACES = 64

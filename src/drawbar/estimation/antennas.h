@@ -10,16 +10,16 @@ static inline double distance(const double *one, const double *other)
     return hypot(one[0] - other[0], one[1] - other[1]);
 }
 
-/* How far each fix lies ahead and to the left of where it is expected, seen along the line of both. */
-static inline void antenna_offsets(const double *fixes, const double *expected, double *offsets)
+/* The innovation of each fix, longitudinal and lateral to the line through both expected antennas, m. */
+static inline void antenna_innovations(const double *fixes, const double *expected, double *innovations)
 {
     const double length = distance(expected, expected + 2);
     const double c = (expected[0] - expected[2]) / length, s = (expected[1] - expected[3]) / length;
 
     for (int i = 0; i < 4; i += 2) {
         const double east = fixes[i] - expected[i], north = fixes[i + 1] - expected[i + 1];
-        offsets[i] = c * east + s * north;
-        offsets[i + 1] = c * north - s * east;
+        innovations[i] = c * east + s * north;
+        innovations[i + 1] = c * north - s * east;
     }
 }
 

@@ -1,12 +1,13 @@
 """Estimation on the exact chain (the product's default)."""
 
+import math
 from dataclasses import replace
 from typing import Any
 
 import casadi as ca
 
 from drawbar.estimation.description import EstimationModel, by_variable, sensor_deviations
-from drawbar.estimation.settings import ArticulatedEstimatorSettings, SlipBounds
+from drawbar.estimation.settings import DRIFT_TIME, ArticulatedEstimatorSettings, SlipBounds
 from drawbar.geometry import GRAVITY
 from drawbar.optimal import Bound, EstimationProblem
 from drawbar.vehicle.articulated import articulated
@@ -63,6 +64,8 @@ class ArticulatedEstimation(EstimationModel):
             | dict.fromkeys(_CRAB, settings.crab)
             | dict.fromkeys(_RATES, settings.steering_rate)
         )
+        aged = math.sqrt(sample_time / DRIFT_TIME)
+        drift = {name: aged * value for name, value in by_variable(settings.drift, _KEYS).items()}
         model, acting = _on_slide(articulated(vehicle))
         model = _with_turn_and_crab(model, acting)
         angle = Bound(lower=-settings.angle_bound, upper=settings.angle_bound)
@@ -72,8 +75,8 @@ class ArticulatedEstimation(EstimationModel):
             sample_time=sample_time,
             weights={name: deviation**-2 for name, deviation in deviations.items()},
             prior_deviation=by_variable(settings.prior, _KEYS),
-            process_deviation=by_variable(settings.drift, _KEYS),
-            common_deviation=dict.fromkeys(_ON_A_SLOPE, settings.drift.slope),
+            process_deviation=drift,
+            common_deviation=dict.fromkeys(_ON_A_SLOPE, aged * settings.drift.slope),
             acting=acting,
             bounds={
                 "longitudinal_slip": _bound(settings.longitudinal_slip_bounds),

@@ -7,7 +7,7 @@
 #include "at_rest.h"
 #include "slide.h"
 
-#define FIRST_SLIDE (CONSTANTS - 4)       /* place among the constants: slide_east, slide_north, creep, then the sample time */
+#define FIRST_SLIDE (CONSTANTS - 4)        /* place among the constants: slide_east, slide_north, creep, then the sample time */
 
 struct estimation_model {
     struct chain chain;
@@ -55,8 +55,8 @@ static inline int model_at_rest(const struct estimation_model *model, const stru
 /* The measurement, with the tractor's yaw and yaw rate; zero for both crab angles while a fix is missing; zero for both steering
  * rates.
  *
- * With both fixes the crab angles show, and to pull them to zero would hide a side slope; without, nothing holds them
- * but the belief that they fade. Commands take the place of the rates' zeros as soon as they are known. */
+ * With both fixes the crab angles are observable, and a prior of zero would hide a side slope; without, only that prior holds
+ * them. Commands take the place of the rates' zeros as soon as they are known. */
 static inline void model_outputs(const struct estimation_model *model, const struct drawbar_measurement *measurement,
                                  double *y)
 {
@@ -99,7 +99,7 @@ static inline double mean_rate(double error, double lag, double limit, double in
     return copysign(moved, error) / interval;
 }
 
-/* From now on reckon with what is known of the actuators. */
+/* Use identified values of the actuators from now on. */
 static inline void model_actuation(struct estimation_model *model, const struct drawbar_actuation *known)
 {
     model->tractor_lag = known->tractor_lag;
@@ -123,9 +123,9 @@ static inline double trailer_rate(const struct estimation_model *model, const do
     return mean_rate(error, model->trailer_lag, model->trailer_rate, model->sample_time);
 }
 
-/* What a command tells of the outputs until the next sample; before any has arrived the wheels rest. */
-static inline void model_told_outputs(const struct estimation_model *model, const double *state,
-                                      const struct drawbar_command *command, double *y)
+/* The outputs that a command implies until the next sample; before any has arrived the wheels rest. */
+static inline void model_commanded_outputs(const struct estimation_model *model, const double *state,
+                                           const struct drawbar_command *command, double *y)
 {
     const double tractor = tractor_rate(model, state, command), trailer = trailer_rate(model, state, command);
 
@@ -133,9 +133,9 @@ static inline void model_told_outputs(const struct estimation_model *model, cons
     y[Y_TRAILER_STEERING_RATE] = isfinite(trailer) ? trailer : 0.0;
 }
 
-/* What a command tells of the inputs until the next sample; one that is not finite tells nothing. */
-static inline void model_told_inputs(const struct estimation_model *model, const double *state,
-                                     const struct drawbar_command *command, double *u)
+/* The inputs that a command implies until the next sample; one that is not finite implies none. */
+static inline void model_commanded_inputs(const struct estimation_model *model, const double *state,
+                                          const struct drawbar_command *command, double *u)
 {
     const double tractor = tractor_rate(model, state, command), trailer = trailer_rate(model, state, command);
 
@@ -143,7 +143,7 @@ static inline void model_told_inputs(const struct estimation_model *model, const
     u[U_TRAILER_STEERING_RATE] = isfinite(trailer) ? trailer : u[U_TRAILER_STEERING_RATE];
 }
 
-/* How fast the wheels turn the tractor, rad/s. */
+/* The tractor's yaw rate by its wheels, rad/s. */
 static inline double model_yaw_rate(const struct estimation_model *model, const double *state)
 {
     const double steered = state[X_TRACTOR_SLIP] * state[X_TRACTOR_STEERING] + state[X_STEERING_OFFSET];
@@ -152,7 +152,7 @@ static inline double model_yaw_rate(const struct estimation_model *model, const 
     return state[X_LONGITUDINAL_SLIP] * state[X_SPEED] * tan(angle) / model->chain.wheelbase;
 }
 
-/* How both axles face and are pushed aside: the trailer's joint at rest, axles without side-slip, as _turns in
+/* Heading and lateral acceleration of both axles: the trailer's joint at rest, axles without side-slip, as _turns in
  * articulated.py. */
 static inline void model_axles(const struct estimation_model *model, const double *state, struct axle *axles)
 {
@@ -166,7 +166,7 @@ static inline void model_axles(const struct estimation_model *model, const doubl
     axles[1] = (struct axle){psi, speed * trailer / GRAVITY};
 }
 
-/* The estimate that a state stands for; the trailer's antenna follows from the chain. Of the fixes it knows nothing. */
+/* The estimate of a state; the trailer's antenna follows from the chain. The statuses of the fixes are left out. */
 static inline void model_estimate(struct estimation_model *model, const double *state,
                                   const struct drawbar_measurement *measurement, int status,
                                   struct drawbar_estimate *estimate)
@@ -176,7 +176,7 @@ static inline void model_estimate(struct estimation_model *model, const double *
 
     model_antennas(model, state, antennas);
     model_axles(model, state, axles);
-    slide_told(&model->slide, slide);
+    slide_coefficients(&model->slide, slide);
     *estimate = (struct drawbar_estimate){
         .time = measurement->time,
         .tractor = {antennas[0], antennas[1], state[X_TRACTOR_YAW]},
@@ -198,17 +198,17 @@ static inline void model_estimate(struct estimation_model *model, const double *
     };
 }
 
-/* Begin without a slide; `constants` are those of the model. */
+/* Initialise without a slide; `constants` are those of the model. */
 static inline void model_begin(struct estimation_model *model, double *constants)
 {
     slide_begin(&model->slide);
     memset(constants + FIRST_SLIDE, 0, 3 * sizeof *constants);
 }
 
-/* Learn the slide from an estimated state and how the bodies stand, and let the model's constants have it. `shift` becomes
- * what steering offset and both crab angles are to change by, so that with the slide they stay what they are, rad; returns
- * whether there is any. */
-static inline int model_learn(struct estimation_model *model, const double *state, const struct drawbar_measurement *stands,
+/* Update the slide with an estimated state and both attitudes, and write it into the model's constants. `shift` becomes the
+ * change of steering offset and both crab angles by which their sum with the slide stays the same, rad; returns whether there
+ * is any. */
+static inline int model_learn(struct estimation_model *model, const double *state, const struct drawbar_measurement *attitudes,
                               double *constants, double *shift)
 {
     struct slide *slide = &model->slide;
@@ -218,14 +218,14 @@ static inline int model_learn(struct estimation_model *model, const double *stat
         return 0;
     model_axles(model, state, axles);
     const double before[] = {slide_across(slide, axles[0]), slide_across(slide, axles[1])};
-    if (isfinite(stands->tractor_roll))
-        slide_stand(slide, axles[0].yaw, stands->tractor_roll, stands->tractor_pitch, model->sample_time);
+    if (isfinite(attitudes->tractor_roll))
+        slide_attitude(slide, axles[0].yaw, attitudes->tractor_roll, attitudes->tractor_pitch, model->sample_time);
     else
-        slide_stand(slide, axles[1].yaw, stands->trailer_roll, stands->trailer_pitch, model->sample_time);
-    slide_walk(slide);
-    slide_take(slide, axles[0], state[X_TRACTOR_CRAB] + before[0]);
-    slide_take(slide, axles[1], state[X_TRAILER_CRAB] + before[1]);
-    slide_told(slide, constants + FIRST_SLIDE);
+        slide_attitude(slide, axles[1].yaw, attitudes->trailer_roll, attitudes->trailer_pitch, model->sample_time);
+    slide_forget(slide);
+    slide_update(slide, axles[0], state[X_TRACTOR_CRAB] + before[0]);
+    slide_update(slide, axles[1], state[X_TRAILER_CRAB] + before[1]);
+    slide_coefficients(slide, constants + FIRST_SLIDE);
     memset(shift, 0, NX * sizeof *shift);
     shift[X_STEERING_OFFSET] = shift[X_TRACTOR_CRAB] = before[0] - slide_across(slide, axles[0]);
     shift[X_TRAILER_CRAB] = before[1] - slide_across(slide, axles[1]);

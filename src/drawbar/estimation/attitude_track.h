@@ -1,7 +1,7 @@
-/* Attitude track of one body: roll and pitch over the last samples, and how far they are to be relied on.
+/* Attitude track of one body: roll and pitch over the last samples, and the weight of the corrections by them.
  *
- * A fix is corrected by the attitude at its own time. What is older than LAST_ATTITUDE fades out within FADE, and what
- * comes back fades in: a correction of decimetres that jumps would look like a false fix.
+ * A fix is corrected by the attitude at its own time. Where the newest is older than OLDEST_ATTITUDE the correction fades out
+ * within FADE, and fades in again: a correction of decimetres that jumps would look like a false fix.
  */
 #ifndef DRAWBAR_ATTITUDE_TRACK_H
 #define DRAWBAR_ATTITUDE_TRACK_H
@@ -11,22 +11,21 @@
 #include "geometry.h"
 
 #define ATTITUDES 8                        /* samples that are kept */
-#define LAST_ATTITUDE 0.5                  /* for how long the newest attitude counts as the present one, s */
+#define OLDEST_ATTITUDE 0.5                /* age up to which the newest attitude counts as the present one, s */
 #define FADE 2.0                           /* time in which a correction fades out or in, s */
-#define MOST_LEAN 0.45                     /* roll and pitch beyond are no vehicle that drives, rad */
+#define MOST_LEAN 0.45                     /* largest plausible roll and pitch, rad */
 
 struct attitude_track {
     time_stamp time[ATTITUDES];            /* oldest first */
     double roll[ATTITUDES], pitch[ATTITUDES];   /* rad */
-    double trust;                          /* share of the correction that is applied */
-    time_stamp asked;                      /* when that was last set */
-    int32_t count, begun;
+    double weight;                         /* of the correction, 0 .. 1 */
+    time_stamp weighted_at;                /* when that was last updated */
+    int32_t count, initialised;
 };
 
-/* Take in an attitude (rad) that is now (s) of an age (s). What is not finite, leans too far, is not newer than the last or
- * of the future, and so would be the newest for long, is dropped; a pitch that is missing counts as level. Returns whether it
- * was taken in. */
-static inline int attitude_take(struct attitude_track *track, time_stamp now, double age, double roll, double pitch)
+/* Record an attitude (rad) that is now (s) of an age (s). One that is not finite, implausible, not newer than the last or of
+ * the future is dropped; a missing pitch counts as level. Returns whether it was recorded. */
+static inline int attitude_record(struct attitude_track *track, time_stamp now, double age, double roll, double pitch)
 {
     const time_stamp time = now - age;
     const double level = isfinite(pitch) ? pitch : 0.0;
@@ -66,19 +65,19 @@ static inline void attitude_at(const struct attitude_track *track, double time, 
 
 static inline int attitude_is_new(const struct attitude_track *track, time_stamp now)
 {
-    return track->count > 0 && now - track->time[track->count - 1] <= LAST_ATTITUDE;
+    return track->count > 0 && now - track->time[track->count - 1] <= OLDEST_ATTITUDE;
 }
 
-/* Which share of the correction by this track is to be applied now (s); to be asked once in each sample. */
-static inline double attitude_trust(struct attitude_track *track, time_stamp now)
+/* The weight of the correction by this track now (s); to be called once in each sample. */
+static inline double attitude_weight(struct attitude_track *track, time_stamp now)
 {
     const double target = attitude_is_new(track, now) ? 1.0 : 0.0;
-    const double passed = now - track->asked, change = passed / FADE;
+    const double passed = now - track->weighted_at, change = passed / FADE;
 
-    track->trust = track->begun ? track->trust + clamped(target - track->trust, -change, change) : target;
-    track->begun = 1;
-    track->asked = now;
-    return track->trust;
+    track->weight = track->initialised ? track->weight + clamped(target - track->weight, -change, change) : target;
+    track->initialised = 1;
+    track->weighted_at = now;
+    return track->weight;
 }
 
 #endif

@@ -24,7 +24,7 @@ struct steerings {
 struct component {
     double dead_time;                      /* s */
     double stated_lag, stated_rate;        /* of the front wheels, s, rad/s */
-    struct body_lag body;                  /* by how much the tractor turns later than its wheels stand */
+    struct body_lag body;                  /* delay of the tractor's yaw rate behind its wheels */
     double sign;                           /* -1 where the joint's actuator is reversed, else 1 */
     double constants[CONSTANTS];           /* of the model with its actuators */
     int32_t sent;                          /* commands so far, up to MOST_COMMANDS */
@@ -45,7 +45,7 @@ static inline double ahead_by(const struct component *component)
     return component->dead_time + component->body.lag;
 }
 
-/* How many commands are under way within that time, all but the oldest for a whole sample. */
+/* Number of commands under way within that time, all but the oldest for a whole sample. */
 static inline int32_t commands_under_way(const struct component *component)
 {
     const double samples = ceil(ahead_by(component) / component->body.sample_time - WHOLE_SAMPLES);
@@ -58,10 +58,10 @@ static void take_estimate(struct component *work, const struct drawbar_estimate 
 static void motion(struct component *work, int first, int count);
 /* The outputs then. */
 static void outputs(struct component *work, int first, int count);
-/* What of an estimate moves, from states and outputs of the model. */
+/* The predicted part of an estimate, from states and outputs of the model. */
 static void give_estimate(const struct component *work, struct drawbar_estimate *estimate);
 
-/* Let the vehicle move for a duration (s) while front wheels and joint are driven to these angles, rad. */
+/* Simulate a duration (s) in which front wheels and joint are driven to these angles, rad. */
 static void move(struct component *component, double duration, double tractor, double trailer)
 {
     component->u[0][U_TRACTOR_TARGET] = tractor;
@@ -76,7 +76,7 @@ static void move(struct component *component, double duration, double tractor, d
  * command the wheels stay as they are. */
 int UNIT(ahead)(struct component *component, const struct drawbar_estimate *now, struct drawbar_estimate *then)
 {
-    body_lag_reckon(&component->body, now);
+    body_lag_apply(&component->body, now);
     const int32_t count = commands_under_way(component);
     double moved = 0.0;
 
@@ -140,22 +140,21 @@ int UNIT(sent)(struct component *component, const struct drawbar_command *newest
     return 0;
 }
 
-/* Let a measurement have the angle with which the front wheels turn the tractor now, and tell the lag. Commands for wheels
- * that are slower than stated lead so far that they need what the newest angle shows: the lag counts less by as much. last:
- * the last estimate. */
+/* Replace the measured steering angle by the one that turns the tractor now, and report the lag. Commands for wheels slower than
+ * stated already lead by the newest angle: the lag is applied less by as much. last: the last estimate. */
 int UNIT(measured)(struct component *component, const struct drawbar_estimate *last,
-                   struct drawbar_measurement *measurement, struct drawbar_actuation *told)
+                   struct drawbar_measurement *measurement, struct drawbar_actuation *report)
 {
     const double *const found = component->constants + FIRST_LAG;
     const double share = fmin(fmin(component->stated_lag / found[0], found[2] / component->stated_rate), 1.0);
 
-    body_lag_take(&component->body, last, share, measurement);
-    told->body_lag = component->body.lag;
-    told->body_lag_deviation = sqrt(component->body.variance);
+    body_lag_measured(&component->body, last, share, measurement);
+    report->body_lag = component->body.lag;
+    report->body_lag_deviation = sqrt(component->body.variance);
     return 0;
 }
 
-/* From now on reckon with what is known of the actuators. */
+/* Use identified values of the actuators from now on. */
 int UNIT(actuation)(struct component *component, const struct drawbar_actuation *known)
 {
     double *const actuators = component->constants + FIRST_LAG;

@@ -89,7 +89,7 @@ def found_dead_time_unit(
         "body.per_speed": body_lag_per_speed,
         "body.wheelbase": vehicle.wheelbase,
         "body.sample_time": sample_time,
-        "body.most_leap": steering_leap,
+        "body.most_change": steering_leap,
         "sign": vehicle.joint_sign,
         "constants": [each.value for each in driven.constants],
     }

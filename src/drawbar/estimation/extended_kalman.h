@@ -15,7 +15,7 @@ struct component {
     struct filter filter;
     struct estimation_model model;
     struct screening screening;
-    double usual[4];                       /* deviations of the positions among the filter's outputs */
+    double nominal[4];                     /* standard deviations of the positions among the filter's outputs */
     int32_t predicted;                     /* outcome of the last prediction, enum qp_status */
 };
 
@@ -23,14 +23,14 @@ struct component {
 
 static const int fix_output[4] = {Y_TRACTOR_X, Y_TRACTOR_Y, Y_TRAILER_X, Y_TRAILER_Y};
 
-/* Let the fixes of a measurement count by their deviations. */
+/* Weight the fixes of a measurement by their standard deviations. */
 static void weigh(struct component *component, const struct drawbar_measurement *measurement)
 {
-    const double told[] = {measurement->tractor_fix_deviation, measurement->trailer_fix_deviation};
+    const double reported[] = {measurement->tractor_fix_deviation, measurement->trailer_fix_deviation};
 
     for (int i = 0; i < 4; ++i) {
-        const double ratio = told[i / 2] > 0.0 ? told[i / 2] / component->screening.deviation : 1.0;
-        component->filter.noise[fix_output[i]] = component->usual[i] * ratio;
+        const double ratio = reported[i / 2] > 0.0 ? reported[i / 2] / component->screening.deviation : 1.0;
+        component->filter.noise[fix_output[i]] = component->nominal[i] * ratio;
     }
 }
 
@@ -41,29 +41,29 @@ int UNIT(begin)(struct component *component, const struct drawbar_measurement *f
     filter_forget(&component->filter);
     model_begin(&component->model, component->filter.constants);
     for (int i = 0; i < 4; ++i)
-        component->usual[i] = component->filter.noise[fix_output[i]];
+        component->nominal[i] = component->filter.noise[fix_output[i]];
     return model_first_guess(&component->model, first, component->filter.x[0]) ? SOLVED : BAD_INPUT;
 }
 
-/* Judge the newest fixes, and start anew where both overrule the prediction. */
-static void screen(struct component *component, const struct drawbar_measurement *measurement, struct screened *seen)
+/* Screen the newest fixes, and restart where both overrule the prediction. */
+static void screen(struct component *component, const struct drawbar_measurement *measurement, struct screened *screened)
 {
     double antennas[4], guess[NX];
 
     model_antennas(&component->model, component->filter.x[0], antennas);
     screening_judge(&component->screening, measurement, antennas,
-                    model_yaw_rate(&component->model, component->filter.x[0]), seen);
-    if (!seen->restart) {
-        screening_hitch(&component->screening, model_hitch(component->filter.x[0]), seen);
-        screening_lengths(&component->screening, antennas, seen);
+                    model_yaw_rate(&component->model, component->filter.x[0]), screened);
+    if (!screened->restart) {
+        screening_hitch(&component->screening, model_hitch(component->filter.x[0]), screened);
+        screening_lengths(&component->screening, antennas, screened);
     }
-    if (seen->restart && model_new_guess(&component->model, measurement, component->filter.x[0], guess)) {
+    if (screened->restart && model_new_guess(&component->model, measurement, component->filter.x[0], guess)) {
         memcpy(component->filter.x[0], guess, sizeof guess);
         filter_forget(&component->filter);
     }
 }
 
-/* The estimate that is expected at the next measurement, before there is one. Of its time it knows nothing. */
+/* The estimate that is expected at the next measurement; its time is NaN. */
 int UNIT(expected)(struct component *component, struct drawbar_estimate *estimate)
 {
     model_estimate(&component->model, component->filter.x[0], &nothing_measured, component->predicted, estimate);
@@ -77,40 +77,41 @@ int UNIT(expected)(struct component *component, struct drawbar_estimate *estimat
 int UNIT(update)(struct component *component, const struct drawbar_measurement *measurement, struct drawbar_estimate *estimate,
                  struct lent *lent)
 {
-    struct screened seen;
+    struct screened screened;
     double y[NY], shift[NX];
 
     (void)lent;
-    screen(component, measurement, &seen);
-    model_outputs(&component->model, &seen.measurement, y);
-    weigh(component, &seen.measurement);
+    screen(component, measurement, &screened);
+    model_outputs(&component->model, &screened.measurement, y);
+    weigh(component, &screened.measurement);
     const int corrected = filter_update(&component->filter, y), status = corrected == SOLVED ? component->predicted : corrected;
-    model_estimate(&component->model, component->filter.x[0], &seen.measurement, status, estimate);
-    screened_mark(&seen, estimate);
-    if (status == SOLVED && model_learn(&component->model, component->filter.x[0], &seen.measurement, component->filter.constants, shift))
+    model_estimate(&component->model, component->filter.x[0], &screened.measurement, status, estimate);
+    screened_mark(&screened, estimate);
+    if (status == SOLVED
+        && model_learn(&component->model, component->filter.x[0], &screened.measurement, component->filter.constants, shift))
         for (int i = 0; i < NX; ++i)
             component->filter.x[0][i] += shift[i];
     return status;
 }
 
-/* Predict one sample ahead, under the command that acts until then (NULL where nobody tells): where it tells no input,
- * the last measured one stays. */
+/* Predict one sample ahead, under the command that acts until then (NULL: unknown): an unknown input keeps its last measured
+ * value. */
 int UNIT(ready)(struct component *component, const struct drawbar_command *acting)
 {
     struct filter *filter = &component->filter;
 
     if (acting != NULL)
-        model_told_inputs(&component->model, filter->x[0], acting, filter->u[0]);
+        model_commanded_inputs(&component->model, filter->x[0], acting, filter->u[0]);
     return component->predicted = filter_predict(filter);
 }
 
-/* Let a sample pass in which nothing was measured. */
+/* Advance by a sample without a measurement. */
 int UNIT(skip)(struct component *component, const struct drawbar_command *acting)
 {
     return UNIT(ready)(component, acting);
 }
 
-/* From now on reckon with what is known of the actuators. */
+/* Use identified values of the actuators from now on. */
 int UNIT(actuation)(struct component *component, const struct drawbar_actuation *known)
 {
     model_actuation(&component->model, known);

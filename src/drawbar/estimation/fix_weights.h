@@ -1,64 +1,66 @@
-/* Fix weights in a window: what is told of each fix goes with it through the window.
+/* Fix weights in a window: each fix keeps its own weight while it moves through the window.
  *
- * Weights belong to places in the window (rti_shift), which is right for all sensors that are always alike. Fixes are not:
- * while any in the window is unlike the usual ones, the weights of the positions are moved along here.
+ * Weights belong to stages of the window and do not move with it (rti_shift), which suits sensors of constant variance. Fixes
+ * have a variance each: while any in the window is not nominal, the weights of the positions are moved along here.
  */
 #ifndef DRAWBAR_FIX_WEIGHTS_H
 #define DRAWBAR_FIX_WEIGHTS_H
 
+#include "apart.h"
 #include "rti.h"
 #include "signals.h"
 
 #define FIX_OUTPUTS 4
 
 struct fix_weights {
-    double usual[FIX_OUTPUTS];
-    int32_t unlike;                        /* slides until the last fix unlike the usual ones has left the window */
-    int32_t begun;
+    double nominal[FIX_OUTPUTS];
+    int32_t other_slides;                  /* slides until the last fix of another weight has left the window */
+    int32_t initialised;
 };
 
 static const int fix_output[FIX_OUTPUTS] = {Y_TRACTOR_X, Y_TRACTOR_Y, Y_TRAILER_X, Y_TRAILER_Y};
 
-/* Let all fixes weigh what they usually do. */
-static void fix_weights_reset(struct fix_weights *weights, struct rti *rti)
+/* Give all fixes their nominal weights. */
+static SELDOM void fix_weights_reset(struct fix_weights *weights, struct rti *rti)
 {
     for (int i = 0; i < FIX_OUTPUTS; ++i) {
-        if (!weights->begun)
-            weights->usual[i] = rti->w[0][fix_output[i]];
+        if (!weights->initialised)
+            weights->nominal[i] = rti->w[0][fix_output[i]];
         for (int k = 0; k <= N; ++k)
-            rti->w[k][fix_output[i]] = weights->usual[i];
+            rti->w[k][fix_output[i]] = weights->nominal[i];
     }
-    weights->begun = 1;
-    weights->unlike = 0;
+    weights->initialised = 1;
+    weights->other_slides = 0;
 }
 
-/* Let the fixes of a measurement, at row k, weigh by their deviations; `deviation` is the usual one, m. */
+/* Weight the fixes of a measurement, at row k, by their standard deviations; `deviation` is the nominal one, m. */
 static void fix_weights_set(struct fix_weights *weights, struct rti *rti, int k,
                             const struct drawbar_measurement *measurement, double deviation)
 {
-    const double told[] = {measurement->tractor_fix_deviation, measurement->trailer_fix_deviation};
+    const double reported[] = {measurement->tractor_fix_deviation, measurement->trailer_fix_deviation};
 
     for (int i = 0; i < FIX_OUTPUTS; ++i) {
         double *w = &rti->w[k][fix_output[i]];
-        const double ratio = told[i / 2] > 0.0 ? deviation / told[i / 2] : 1.0, wanted = weights->usual[i] * ratio * ratio;
+        const double ratio = reported[i / 2] > 0.0 ? deviation / reported[i / 2] : 1.0;
+        const double wanted = weights->nominal[i] * ratio * ratio;
         if (*w != wanted)
             rti_reweighted(rti);
-        if (wanted != weights->usual[i])
-            weights->unlike = N + 1;
+        if (wanted != weights->nominal[i])
+            weights->other_slides = N + 1;
         *w = wanted;
     }
 }
 
-/* The window has moved on by one sample. */
+/* Move the weights with the window, by one sample. */
 static void fix_weights_slide(struct fix_weights *weights, struct rti *rti)
 {
-    if (!weights->unlike)
+    if (!weights->other_slides)
         return;
-    --weights->unlike;
+    --weights->other_slides;
     for (int i = 0; i < FIX_OUTPUTS; ++i) {
         for (int k = 0; k < N; ++k)
             rti->w[k][fix_output[i]] = rti->w[k + 1][fix_output[i]];
-        rti->w[N][fix_output[i]] = weights->usual[i];
+        rti->w[N][fix_output[i]] = weights->nominal[i];
     }
 }
 

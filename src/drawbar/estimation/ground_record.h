@@ -1,8 +1,8 @@
-/* The ground that one body has rolled over, for another that rolls over the same a length later.
+/* Ground record: the slope under the tractor, for the trailer that passes the same place later.
  *
- * Roll and pitch of a body are the ground's slope across and along it. The slope is kept as a vector, east and north, with
- * its place; at another place it is taken between the two records nearest to it. Where nothing was recorded nearby it is
- * the mean slope of what was driven lately.
+ * Roll and pitch of a body are the ground's slope across and along it. The slope is recorded as a vector, east and north, with
+ * its place, and interpolated between the two nearest records. Where nothing was recorded nearby it is the mean slope of the
+ * last metres.
  */
 #ifndef DRAWBAR_GROUND_RECORD_H
 #define DRAWBAR_GROUND_RECORD_H
@@ -13,8 +13,8 @@
 
 #define PLACES 64                          /* records that are kept */
 #define NEARBY 0.6                         /* furthest that the trailer's axle may run beside the tractor's, m */
-#define MEAN_OVER 20.0                     /* distance over which the mean slope is averaged, m */
-#define MOST_MOVED 1.0                     /* no record counts for more of it, m: what comes after a gap is no jump */
+#define MEAN_OVER 20.0                     /* distance that the mean slope covers, m */
+#define MOST_MOVED 1.0                     /* largest weight of one record in it, m: no jump after a gap */
 
 struct ground_place {
     double x, y;                           /* m */
@@ -28,7 +28,7 @@ struct ground_record {
     int32_t count, newest;
 };
 
-/* The slope below a body that leans so, rad. */
+/* The slope (rise per metre, east and north) below a body with this yaw, roll and pitch, rad. */
 static inline void slope_below(double yaw, double roll, double pitch, double *slope)
 {
     const double along = tan(pitch), across = tan(roll);
@@ -37,15 +37,15 @@ static inline void slope_below(double yaw, double roll, double pitch, double *sl
     slope[1] = along * sin(yaw) + across * cos(yaw);
 }
 
-/* How a body with this yaw leans on a slope, rad. */
+/* Roll and pitch of a body with this yaw on a slope, rad. */
 static inline void lean_on(const double *slope, double yaw, double *roll, double *pitch)
 {
     *pitch = atan(slope[0] * cos(yaw) + slope[1] * sin(yaw));
     *roll = atan(slope[1] * cos(yaw) - slope[0] * sin(yaw));
 }
 
-/* Take in the slope at a place, where the body has moved on far enough since the last one. */
-static inline void ground_take(struct ground_record *record, double x, double y, const double *slope)
+/* Record the slope at a place (m), where the last record is far enough away. */
+static inline void ground_record_slope(struct ground_record *record, double x, double y, const double *slope)
 {
     const struct ground_place *last = &record->places[record->newest];
     const double moved = record->count ? hypot(x - last->x, y - last->y) : record->spacing;
@@ -93,14 +93,13 @@ static inline int ground_nearby(const struct ground_record *record, double x, do
     return found;
 }
 
-/* The slope at a place, as far as it is known. `local` is the share of the recorded slope in it, which changes gradually,
- * so that nothing jumps from the mean to what was recorded and back; `elapsed` (s) since it was asked last; `passed`: the
- * one who records has passed here before. */
-static inline void ground_slope(const struct ground_record *record, double x, double y, int passed, double elapsed,
+/* The slope at a place. `local` is the weight of the recorded slope against the mean, which changes gradually, so that nothing
+ * jumps; `elapsed` (s) since the last call; `recorded`: the recording body has passed this place. */
+static inline void ground_slope(const struct ground_record *record, double x, double y, int recorded, double elapsed,
                                 double *local, double *slope)
 {
     double nearby[2] = {record->mean[0], record->mean[1]};
-    const double target = passed && ground_nearby(record, x, y, nearby) ? 1.0 : 0.0;
+    const double target = recorded && ground_nearby(record, x, y, nearby) ? 1.0 : 0.0;
 
     *local += clamped(target - *local, -elapsed, elapsed);
     for (int i = 0; i < 2; ++i)

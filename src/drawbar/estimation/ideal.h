@@ -1,4 +1,4 @@
-/* Ideal estimator, the truth in place of an estimate: somebody writes it into `given` before each update. For Python's
+/* Ideal estimator, the truth in place of an estimate: the caller writes it into `given` before each update. For Python's
  * own library alone. */
 #ifndef DRAWBAR_IDEAL_H
 #define DRAWBAR_IDEAL_H

@@ -36,13 +36,13 @@ def identify(
     file = build(unit.name, {f"{unit.name}.c": unit.hosted_text()})
     component, library = Component(unit, file), load(file)
     own = ctypes.c_void_p(component.live.memory.ctypes.data)
-    measurements, commands, told = Layout(Measurement), Layout(Command), Layout(Actuation)
-    measured, sent, found = measurements.buffer(), commands.buffer(), told.buffer()
+    measurements, commands, reported = Layout(Measurement), Layout(Command), Layout(Actuation)
+    measured, sent, found = measurements.buffer(), commands.buffer(), reported.buffer()
     for measurement, command in steps:
         measurements.pack(measured, measurement)
         library.drawbar_actuation_measured(own, measured)
         commands.pack(sent, command)
         library.drawbar_actuation_sent(own, sent)
-    library.drawbar_actuation_tell(own, found)
-    actuation: Actuation = told.unpack(found)
+    library.drawbar_actuation_report(own, found)
+    actuation: Actuation = reported.unpack(found)
     return actuation

@@ -1,14 +1,13 @@
-/* Lag bank of one steering: dead time, lag and rate, from what it was commanded and what it did, by a bank of models
+/* Lag bank of one steering: dead time, lag and rate, identified from commands and measured angles by a bank of models
  * (Magill 1965).
  *
- * Each member is a lag of limited rate behind a dead time, driven by the commands alone. The errors of its angle against the
- * measured one are averaged over the last minute; a constant error is nobody's fault (the sensor's zero). With unknown
- * noise the likelihood of a member is its error's variance to the power of minus half the number of independent errors;
- * with a prior it gives the mean and the deviation of dead time, lag and rate. While nothing moves all members are right
- * alike, and the prior stays.
+ * Each member is a rate-limited first-order lag behind a dead time, driven by the commands alone. Mean and variance of its
+ * error against the measured angle cover the last minute; the mean is the sensor's zero. With unknown noise the likelihood of a
+ * member is that variance to the power of minus half the number of independent errors; with a prior it gives the mean and the
+ * standard deviation of dead time, lag and rate. Without motion all members are equally likely, and the prior stays.
  *
- * Members stand in rows of all lags: a row for each dead time, with the rate that was found, and then one for each rate,
- * with the dead time that was found. Where another rate is found, what the first rows have seen was not theirs.
+ * Members are arranged in rows of all lags: a row for each dead time, with the identified rate, and then one for each rate,
+ * with the identified dead time. When the identified rate changes, most of the first rows' statistics is discarded.
  */
 #ifndef DRAWBAR_LAG_BANK_H
 #define DRAWBAR_LAG_BANK_H
@@ -23,21 +22,21 @@
 #define RATES 10
 #define ROWS (DEAD_TIMES + RATES)
 #define MEMBERS (ROWS * LAGS)
-#define PAST 448                           /* parts of samples that are kept: more than the longest dead time's */
-#define NO_STEERING 0.15                   /* errors beyond are somebody else's steering, rad */
-#define KNOWN_ZERO 10.0                    /* samples after which the sensor's zero is known */
-#define ANOTHER_RATE 1.15                  /* ratio of two rates that are not the same */
-#define STILL_TRUE 0.05                    /* what counts with another rate of what was seen with the last one */
+#define PAST 448                           /* parts of samples in the command history: more than the longest dead time */
+#define ERROR_LIMIT 0.15                   /* at which an error is clipped: a driver steers, rad */
+#define OFFSET_SAMPLES 10.0                /* weight of the prior offset, zero, in samples */
+#define RATE_CHANGE 1.15                   /* ratio from which on the identified rate has changed */
+#define RATE_KEPT 0.05                     /* share of the statistics that is kept then */
 
-/* What is the same for both steerings. */
+/* Settings that both steerings share. */
 struct lag_grid {
     double part;                           /* s; a sample has `parts` of them */
     double dead_times[DEAD_TIMES];         /* s */
     double lags[LAGS], shares[LAGS];       /* s; the share of an error that goes in a part, 1 - exp(-part / lag) */
     double log_lags[LAGS];                 /* logarithms of the lags, */
     double slower[RATES];                  /* and of the rates in shares of the stated one, which is the first */
-    double memory;                         /* share of what is known that is kept from sample to sample */
-    double repeats;                        /* how many errors in a row say the same */
+    double memory;                         /* share of the statistics that is kept from sample to sample */
+    double repeats;                        /* correlation length of the errors, samples */
     double between[3];                     /* variances of dead time (s2), lag and rate (logarithms) between two members */
     double resolution;                     /* least standard deviation of the errors, rad */
     double prior_dead_time, prior_dead_time_deviation, prior_lag_deviation;   /* s, s, of the lag's logarithm */
@@ -59,13 +58,13 @@ struct lag_grid {
 
 struct lag_bank {
     double prior_lag, prior_rate;          /* as stated, s, rad/s */
-    double dead_time, dead_time_deviation, lag, lag_deviation, rate, rate_deviation;   /* what is known, s, rad/s */
+    double dead_time, dead_time_deviation, lag, lag_deviation, rate, rate_deviation;   /* as identified, s, rad/s */
     double past[PAST];                     /* commands of the last parts of samples, a ring, rad */
     double angle[MEMBERS];                 /* of each member, rad */
     double driven_rate;                    /* of the rows of dead times, rad/s */
-    double weight, rate_weight;            /* sum over the samples of 1, for rows of dead times and of rates */
+    double weight, rate_weight;            /* weighted number of samples, for rows of dead times and of rates */
     double error[MEMBERS], square[MEMBERS];   /* sums over the samples, rad, rad2 */
-    int32_t newest, begun, behind;         /* behind: parts of samples that the members have still to follow */
+    int32_t newest, initialised, pending;  /* pending: parts of samples that the members have still to follow */
 };
 
 #define LAG_BANK_FIELDS(type, place)                                                                         \
@@ -74,7 +73,7 @@ struct lag_bank {
     SETTING(type, place.lag, 0, 1, 0, 0) SETTING(type, place.lag_deviation, 0, 1, 0, 0)                      \
     SETTING(type, place.rate, 0, 1, 0, 0) SETTING(type, place.rate_deviation, 0, 1, 0, 0)
 
-/* Begin with a steering that rests at an angle, rad. */
+/* Initialise with a steering that rests at an angle, rad. */
 static void bank_begin(struct lag_bank *bank, double angle)
 {
     const double first = isfinite(angle) ? angle : 0.0;
@@ -84,7 +83,7 @@ static void bank_begin(struct lag_bank *bank, double angle)
     for (int i = 0; i < MEMBERS; ++i)
         bank->angle[i] = first;
     bank->driven_rate = bank->rate;
-    bank->begun = 1;
+    bank->initialised = 1;
 }
 
 /* A value within +-most. The loops over members become SIMD code with it, with fmin and fmax they would not. */
@@ -105,25 +104,25 @@ static inline int nearest_of(const double *values, int n, double wanted)
     return nearest;
 }
 
-/* Let all members follow the commands that they are behind of. */
+/* Simulate all members over the pending commands. */
 static void bank_follow(struct lag_bank *bank, const struct lag_grid *grid)
 {
     const int likeliest = nearest_of(grid->dead_times, DEAD_TIMES, bank->dead_time);
 
-    for (int row = 0; bank->behind > 0 && row < ROWS; ++row) {
+    for (int row = 0; bank->pending > 0 && row < ROWS; ++row) {
         const int32_t delay = grid->delays[row < DEAD_TIMES ? row : likeliest];
         const double rate = row < DEAD_TIMES ? bank->driven_rate : bank->prior_rate * exp(grid->slower[row - DEAD_TIMES]);
         double *restrict angle = bank->angle + row * LAGS;
-        for (int32_t behind = bank->behind; behind > 0; --behind) {
-            const double command = bank->past[(bank->newest + 2 * PAST + 1 - behind - delay) % PAST];
+        for (int32_t pending = bank->pending; pending > 0; --pending) {
+            const double command = bank->past[(bank->newest + 2 * PAST + 1 - pending - delay) % PAST];
             for (int l = 0; l < LAGS; ++l)
                 angle[l] += within(grid->shares[l] * (command - angle[l]), rate * grid->part);
         }
     }
-    bank->behind = 0;
+    bank->pending = 0;
 }
 
-/* Let a sample pass under a command, rad. The members follow when there is time, at the latest before they are looked at. */
+/* Record a command (rad) for one sample. The members follow later, at the latest before they are evaluated. */
 static void bank_command(struct lag_bank *bank, const struct lag_grid *grid, double command)
 {
     bank_follow(bank, grid);
@@ -131,10 +130,10 @@ static void bank_command(struct lag_bank *bank, const struct lag_grid *grid, dou
         bank->newest = (bank->newest + 1) % PAST;
         bank->past[bank->newest] = command;
     }
-    bank->behind = grid->parts;
+    bank->pending = grid->parts;
 }
 
-/* Take in a measured angle, rad. */
+/* Update the statistics with a measured angle, rad. */
 static void bank_measured(struct lag_bank *bank, const struct lag_grid *grid, double measured)
 {
     if (!isfinite(measured))
@@ -142,30 +141,30 @@ static void bank_measured(struct lag_bank *bank, const struct lag_grid *grid, do
     bank->weight = grid->memory * bank->weight + 1.0;
     bank->rate_weight = grid->memory * bank->rate_weight + 1.0;
     for (int i = 0; i < MEMBERS; ++i) {
-        const double error = within(measured - bank->angle[i], NO_STEERING);
+        const double error = within(measured - bank->angle[i], ERROR_LIMIT);
         bank->error[i] = grid->memory * bank->error[i] + error;
         bank->square[i] = grid->memory * bank->square[i] + error * error;
     }
 }
 
-/* The member whose dead time and lag are nearest to those found. */
+/* The member nearest to the identified dead time and lag. */
 static inline int bank_likeliest(const struct lag_bank *bank, const struct lag_grid *grid)
 {
     return nearest_of(grid->dead_times, DEAD_TIMES, bank->dead_time) * LAGS + nearest_of(grid->lags, LAGS, bank->lag);
 }
 
-/* By how much (rad) the measured angle is beyond what commands have made of it, on average over the last minute; nothing
- * before it is known: the sensor's zero, or what the actuator stays off its set point. */
+/* Mean difference (rad) of the measured angle from the simulated one over the last minute: the sensor's zero, or a steady
+ * error of the actuator. */
 static inline double bank_offset(const struct lag_bank *bank, const struct lag_grid *grid)
 {
-    return bank->error[bank_likeliest(bank, grid)] / (bank->weight + KNOWN_ZERO);
+    return bank->error[bank_likeliest(bank, grid)] / (bank->weight + OFFSET_SAMPLES);
 }
 
-/* By how much (rad) a measured angle is off that of the member which comes nearest to it, each with the mean error that it
- * has had: what no dead time and no lag explain. */
+/* Least residual (rad) of a measured angle over all members, each corrected by its mean error: what no dead time and no lag
+ * explain. */
 static double bank_unexplained(const struct lag_bank *bank, double measured)
 {
-    const double share = bank->weight > KNOWN_ZERO ? 1.0 / bank->weight : 0.0;
+    const double share = bank->weight > OFFSET_SAMPLES ? 1.0 / bank->weight : 0.0;
     double nearest[LAGS], least = (double)INFINITY;
 
     if (!isfinite(measured))
@@ -186,36 +185,36 @@ static double bank_unexplained(const struct lag_bank *bank, double measured)
 static void bank_likelihoods(const struct lag_bank *bank, const struct lag_grid *grid, double *log_probability)
 {
     const double least = grid->resolution * grid->resolution;
-    double slow[LAGS];
+    double lag_deviation[LAGS];
 
     for (int l = 0; l < LAGS; ++l)
-        slow[l] = (grid->log_lags[l] - log(bank->prior_lag)) / grid->prior_lag_deviation;
+        lag_deviation[l] = (grid->log_lags[l] - log(bank->prior_lag)) / grid->prior_lag_deviation;
     for (int i = 0; i < MEMBERS; ++i) {
         const int row = i / LAGS;
-        const double early = row < DEAD_TIMES
+        const double delay_deviation = row < DEAD_TIMES
             ? (grid->dead_times[row] - grid->prior_dead_time) / grid->prior_dead_time_deviation : 0.0;
         const double weight = row < DEAD_TIMES ? bank->weight : bank->rate_weight;
-        const double mean = bank->error[i] / weight, spread = bank->square[i] / weight - mean * mean;
-        log_probability[i] = -0.5 * (weight / grid->repeats * log((spread > 0.0 ? spread : 0.0) + least)
-                                     + early * early + slow[i % LAGS] * slow[i % LAGS])
+        const double mean = bank->error[i] / weight, variance = bank->square[i] / weight - mean * mean;
+        log_probability[i] = -0.5 * (weight / grid->repeats * log((variance > 0.0 ? variance : 0.0) + least)
+                                     + delay_deviation * delay_deviation + lag_deviation[i % LAGS] * lag_deviation[i % LAGS])
             - (row > DEAD_TIMES ? grid->prior_slower : 0.0);
     }
 }
 
-/* Drive the rows of dead times with the rate that was found, if it is another one. */
+/* Simulate the rows of dead times with the identified rate, if that has changed. */
 static void bank_change_rate(struct lag_bank *bank)
 {
-    if (fmax(bank->rate / bank->driven_rate, bank->driven_rate / bank->rate) < ANOTHER_RATE)
+    if (fmax(bank->rate / bank->driven_rate, bank->driven_rate / bank->rate) < RATE_CHANGE)
         return;
     bank->driven_rate = bank->rate;
-    bank->weight *= STILL_TRUE;
+    bank->weight *= RATE_KEPT;
     for (int i = 0; i < DEAD_TIMES * LAGS; ++i) {
-        bank->error[i] *= STILL_TRUE;
-        bank->square[i] *= STILL_TRUE;
+        bank->error[i] *= RATE_KEPT;
+        bank->square[i] *= RATE_KEPT;
     }
 }
 
-/* Sums over members: of probabilities, and of those times what a member's row and lag stand for and its square. */
+/* Sums over members: of probabilities, and of their first and second moments by row and by lag. */
 struct bank_sums {
     double all, row[2], lag[2];
 };
@@ -238,7 +237,7 @@ static struct bank_sums bank_sum(const double *log_probability, int rows, const 
     return sums;
 }
 
-/* Mean and deviation of a value from its sums; between: its variance between two members. */
+/* Mean and standard deviation of a value from its moments; between: its variance between two members. */
 static inline double bank_mean(double all, const double *sums, double between, double *deviation)
 {
     const double mean = sums[0] / all, variance = sums[1] / all - mean * mean;
@@ -247,8 +246,8 @@ static inline double bank_mean(double all, const double *sums, double between, d
     return mean;
 }
 
-/* Find what is known of dead time, lag and rate. */
-static void bank_judge(struct lag_bank *bank, const struct lag_grid *grid)
+/* Update the estimates of dead time, lag and rate. */
+static void bank_update(struct lag_bank *bank, const struct lag_grid *grid)
 {
     double log_probability[MEMBERS];
 

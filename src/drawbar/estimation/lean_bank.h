@@ -1,10 +1,10 @@
-/* Lean bank: what both attitude sensors show of the ground's slope in all headings, and whether one shows it the wrong way
- * round, by a bank of models (Magill 1965).
+/* Lean bank: the ground's slope and the zeros of both attitude sensors, and whether a roll sensor is reversed, by a bank of
+ * Kalman filters (multiple-model estimation, Magill 1965).
  *
  * On a slope a body that turns leans another way: roll and pitch of both bodies, in all headings, are those of one slope, beside
  * the zeros of the sensors, which turn with neither (lean_on in ground_record.h). One Kalman filter for each hypothesis
- * about the signs of both rolls finds the slope, which changes slowly along the way, and the zeros; unevenness is its noise. A sign
- * changes nothing but the sign of the sensor's values, so all hypotheses share one covariance.
+ * about the signs of both rolls estimates the slope, a random walk along the path, and the zeros; unevenness is its measurement
+ * noise. A hypothesis changes nothing but the signs of the measurements, so all share one covariance.
  */
 #ifndef DRAWBAR_LEAN_BANK_H
 #define DRAWBAR_LEAN_BANK_H
@@ -17,47 +17,47 @@ enum { SLOPE_EAST, SLOPE_NORTH, ZEROS, LEANS = ZEROS + 4 };   /* zeros: roll and
 enum { ROLL, PITCH };
 
 #define SIGNS 4                            /* hypotheses: bit 0, the tractor's roll is reversed; bit 1, the trailer's */
-#define SLOPE_FIRST (8.0 * DRAWBAR_PI / 180.0)      /* its deviation before anything is known, rad */
-#define SLOPE_WALK (0.2 * DRAWBAR_PI / 180.0)       /* by which it changes, rad per square root of a metre */
-#define ZERO_FIRST (1.5 * DRAWBAR_PI / 180.0)       /* deviation of a zero before anything is known, rad */
-#define ZERO_WALK (0.01 * DRAWBAR_PI / 180.0)       /* by which it changes, rad per square root of a metre */
-#define LEAN_NOISE (1.0 * DRAWBAR_PI / 180.0)       /* deviation of a lean from the slope's, at least, rad */
-#define LEAN_ALIKE 3.0                     /* way on which leans are alike, m */
-#define LEAN_LATELY 30.0                   /* way over which their deviation is averaged, m */
-#define LEAN_SURGE 3.0                     /* times its deviation that one counts at most */
-#define LEAN_CERTAIN 7.0                   /* logarithm of odds from which on a hypothesis holds, */
-#define LEAN_CLOSE 2.0                     /* and by which another is as good, */
-#define LEAN_MOST 16.0                     /* and from which on it stands for a sign that changes now */
+#define SLOPE_PRIOR (8.0 * DRAWBAR_PI / 180.0)   /* its prior standard deviation, rad */
+#define SLOPE_WALK (0.2 * DRAWBAR_PI / 180.0)   /* its random walk, rad per square root of a metre */
+#define ZERO_PRIOR (1.5 * DRAWBAR_PI / 180.0)   /* prior standard deviation of a zero, rad */
+#define ZERO_WALK (0.01 * DRAWBAR_PI / 180.0)   /* its random walk, rad per square root of a metre */
+#define LEAN_NOISE (1.0 * DRAWBAR_PI / 180.0)   /* least standard deviation of a measured angle, rad */
+#define LEAN_CORRELATION 3.0               /* correlation length of the unevenness, m */
+#define LEAN_AVERAGE 30.0                  /* distance over which the residual variance is averaged, m */
+#define LEAN_OUTLIER 3.0                   /* standard deviations at which an innovation is clipped */
+#define LEAN_CERTAIN 7.0                   /* logarithm of the odds beyond which a hypothesis is rejected, */
+#define LEAN_CLOSE 2.0                     /* below which it is as likely as the best, */
+#define LEAN_MOST 16.0                     /* and at which it restarts from the best: a sign that changes now */
 
 struct lean_bank {
-    double states[SIGNS][LEANS];           /* by hypothesis; its zeros with its signs, rad */
+    double states[SIGNS][LEANS];           /* of each hypothesis; zeros with its signs, rad */
     double covariance[LEANS][LEANS];
-    double against[SIGNS];                 /* logarithm of the odds against it, beside the likeliest */
-    double spread;                         /* mean square of what leans are off the slope's, rad2 */
-    int32_t begun;
+    double log_odds[SIGNS];                /* logarithm of the odds of the likeliest to each */
+    double residual_variance;              /* mean square of the residuals, rad2 */
+    int32_t initialised;
 };
 
 static inline void lean_bank_begin(struct lean_bank *bank)
 {
-    *bank = (struct lean_bank){.spread = LEAN_NOISE * LEAN_NOISE, .begun = 1};
+    *bank = (struct lean_bank){.residual_variance = LEAN_NOISE * LEAN_NOISE, .initialised = 1};
     for (int i = 0; i < LEANS; ++i)
-        bank->covariance[i][i] = i < ZEROS ? SLOPE_FIRST * SLOPE_FIRST : ZERO_FIRST * ZERO_FIRST;
+        bank->covariance[i][i] = i < ZEROS ? SLOPE_PRIOR * SLOPE_PRIOR : ZERO_PRIOR * ZERO_PRIOR;
 }
 
-/* Let the vehicle move on, m. */
-static inline void lean_bank_move(struct lean_bank *bank, double moved)
+/* Propagate the covariance over a travelled distance, m. */
+static inline void lean_bank_propagate(struct lean_bank *bank, double travelled)
 {
     for (int i = 0; i < LEANS; ++i)
-        bank->covariance[i][i] += moved * (i < ZEROS ? SLOPE_WALK * SLOPE_WALK : ZERO_WALK * ZERO_WALK);
+        bank->covariance[i][i] += travelled * (i < ZEROS ? SLOPE_WALK * SLOPE_WALK : ZERO_WALK * ZERO_WALK);
 }
 
-/* An angle of a body as a sum of states: so much of the slope to the east and to the north, and the zero at a place. */
+/* The measurement row of an angle: coefficients of the slope's components, and the index of the zero. */
 struct lean_row {
     double east, north;
     int zero;
 };
 
-/* The row of an angle of a body that faces so, rad. */
+/* The measurement row of an angle of a body with this yaw, rad. */
 static inline struct lean_row lean_row(int body, int angle, double yaw)
 {
     const double along = cos(yaw), across = sin(yaw);
@@ -65,7 +65,7 @@ static inline struct lean_row lean_row(int body, int angle, double yaw)
     return (struct lean_row){angle == ROLL ? -across : along, angle == ROLL ? along : across, ZEROS + 2 * body + angle};
 }
 
-/* The sign of what a sensor reports, by a hypothesis. */
+/* The sign of a measurement under a hypothesis. */
 static inline double lean_sign(int hypothesis, int body, int angle)
 {
     return angle == ROLL && (hypothesis >> body & 1) ? -1.0 : 1.0;
@@ -76,29 +76,30 @@ static inline double lean_of(const struct lean_row *row, const double *state)
     return row->east * state[SLOPE_EAST] + row->north * state[SLOPE_NORTH] + state[row->zero];
 }
 
-/* Take in an angle (rad) that stands for so much of the way (m). */
-static inline void lean_bank_angle(struct lean_bank *bank, int body, int angle, double yaw, double told, double way)
+/* Update all hypotheses with a measured angle (rad), after a travelled distance (m). */
+static inline void lean_bank_update_angle(struct lean_bank *bank, int body, int angle, double yaw, double measured,
+                                          double travelled)
 {
     const struct lean_row row = lean_row(body, angle, yaw);
-    double gain[LEANS], variance = bank->spread * fmax(LEAN_ALIKE / way, 1.0), least = (double)INFINITY;
+    double gain[LEANS], variance = bank->residual_variance * fmax(LEAN_CORRELATION / travelled, 1.0), least = (double)INFINITY;
 
     for (int i = 0; i < LEANS; ++i)
         gain[i] = lean_of(&row, bank->covariance[i]);
     variance += lean_of(&row, gain);
     for (int h = 0; h < SIGNS; ++h) {
-        const double error = lean_sign(h, body, angle) * told - lean_of(&row, bank->states[h]);
-        bank->against[h] += 0.5 * error * error / variance;
-        least = fmin(least, error * error);
-        const double counts = clamped(error, -LEAN_SURGE * sqrt(variance), LEAN_SURGE * sqrt(variance));
+        const double innovation = lean_sign(h, body, angle) * measured - lean_of(&row, bank->states[h]);
+        bank->log_odds[h] += 0.5 * innovation * innovation / variance;
+        least = fmin(least, innovation * innovation);
+        const double clipped_innovation = clamped(innovation, -LEAN_OUTLIER * sqrt(variance), LEAN_OUTLIER * sqrt(variance));
         for (int i = 0; i < LEANS; ++i)
-            bank->states[h][i] += gain[i] / variance * counts;
+            bank->states[h][i] += gain[i] / variance * clipped_innovation;
     }
     for (int i = 0; i < LEANS; ++i)
         for (int j = 0; j < LEANS; ++j)
             bank->covariance[i][j] -= gain[i] * gain[j] / variance;
-    const double counts = fmin(least, LEAN_SURGE * LEAN_SURGE * bank->spread);
-    bank->spread += fmin(way / LEAN_LATELY, 1.0) * (counts - bank->spread);
-    bank->spread = fmax(bank->spread, LEAN_NOISE * LEAN_NOISE);
+    const double residual = fmin(least, LEAN_OUTLIER * LEAN_OUTLIER * bank->residual_variance);
+    bank->residual_variance += fmin(travelled / LEAN_AVERAGE, 1.0) * (residual - bank->residual_variance);
+    bank->residual_variance = fmax(bank->residual_variance, LEAN_NOISE * LEAN_NOISE);
 }
 
 static inline int lean_bank_likeliest(const struct lean_bank *bank)
@@ -106,11 +107,11 @@ static inline int lean_bank_likeliest(const struct lean_bank *bank)
     int likeliest = 0;
 
     for (int h = 1; h < SIGNS; ++h)
-        likeliest = bank->against[h] < bank->against[likeliest] ? h : likeliest;
+        likeliest = bank->log_odds[h] < bank->log_odds[likeliest] ? h : likeliest;
     return likeliest;
 }
 
-/* Let a hypothesis begin from what another has found: the signs change now. */
+/* Restart a hypothesis from another's estimate: the signs change now. */
 static inline void lean_bank_switch(struct lean_bank *bank, int from, int to)
 {
     for (int i = 0; i < LEANS; ++i)
@@ -119,32 +120,32 @@ static inline void lean_bank_switch(struct lean_bank *bank, int from, int to)
         bank->states[to][ZEROS + 2 * body + ROLL] *= lean_sign(from ^ to, body, ROLL);
 }
 
-/* Compare all hypotheses with the likeliest. */
+/* Normalise the odds to the likeliest hypothesis; restart those that are at LEAN_MOST. */
 static inline void lean_bank_compare(struct lean_bank *bank)
 {
     const int likeliest = lean_bank_likeliest(bank);
-    const double least = bank->against[likeliest];
+    const double least = bank->log_odds[likeliest];
 
     for (int h = 0; h < SIGNS; ++h) {
-        bank->against[h] -= least;
-        if (bank->against[h] >= LEAN_MOST) {
-            bank->against[h] = LEAN_MOST;
+        bank->log_odds[h] -= least;
+        if (bank->log_odds[h] >= LEAN_MOST) {
+            bank->log_odds[h] = LEAN_MOST;
             lean_bank_switch(bank, likeliest, h);
         }
     }
 }
 
-/* Take in the attitude of a body that has moved by so much (m) since its last one; an angle that is not there is NaN. */
-static inline void lean_bank_take(struct lean_bank *bank, int body, double yaw, double roll, double pitch, double way)
+/* Update with the attitude of a body, rad, a travelled distance (m) after its last one; a missing angle is NaN. */
+static inline void lean_bank_update(struct lean_bank *bank, int body, double yaw, double roll, double pitch, double travelled)
 {
-    if (isfinite(roll) && way > 0.0)
-        lean_bank_angle(bank, body, ROLL, yaw, roll, way);
-    if (isfinite(pitch) && way > 0.0)
-        lean_bank_angle(bank, body, PITCH, yaw, pitch, way);
+    if (isfinite(roll) && travelled > 0.0)
+        lean_bank_update_angle(bank, body, ROLL, yaw, roll, travelled);
+    if (isfinite(pitch) && travelled > 0.0)
+        lean_bank_update_angle(bank, body, PITCH, yaw, pitch, travelled);
     lean_bank_compare(bank);
 }
 
-/* The roll (rad) that the sensor of a body which faces so would report, by the likeliest hypothesis. */
+/* The roll (rad) that the sensor of a body with this yaw is expected to report, by the likeliest hypothesis. */
 static inline double lean_bank_roll(const struct lean_bank *bank, int body, double yaw)
 {
     const int likeliest = lean_bank_likeliest(bank);
@@ -154,38 +155,38 @@ static inline double lean_bank_roll(const struct lean_bank *bank, int body, doub
 }
 
 struct roll_zero {
-    double value, deviation;               /* rad */
+    double value, deviation;               /* estimate and standard deviation, rad */
 };
 
-/* What the roll sensor of a body shows while it stands level, where it was mounted level but for a deviation (rad): what the
- * bank has found, with that in the place of its own first deviation (docs/theory/lever-arm.md). */
-static inline struct roll_zero lean_bank_zero(const struct lean_bank *bank, int body, double stated)
+/* The zero of a body's roll sensor: the bank's estimate, with the stated standard deviation of the mounting (rad) in place of
+ * the bank's own prior (docs/theory/lever-arm.md). */
+static inline struct roll_zero lean_bank_zero(const struct lean_bank *bank, int body, double prior)
 {
     const int place = ZEROS + 2 * body + ROLL, likeliest = lean_bank_likeliest(bank);
-    const double found = lean_sign(likeliest, body, ROLL) * bank->states[likeliest][place];
-    const double variance = bank->covariance[place][place], shown = 1.0 / variance - 1.0 / (ZERO_FIRST * ZERO_FIRST);
+    const double filtered = lean_sign(likeliest, body, ROLL) * bank->states[likeliest][place];
+    const double variance = bank->covariance[place][place], information = 1.0 / variance - 1.0 / (ZERO_PRIOR * ZERO_PRIOR);
 
-    if (!bank->begun || !(stated > 0.0) || !(shown > 0.0))
-        return (struct roll_zero){0.0, stated};
-    const double known = 1.0 / (shown + 1.0 / (stated * stated));
-    return (struct roll_zero){found / variance * known, sqrt(known)};
+    if (!bank->initialised || !(prior > 0.0) || !(information > 0.0))
+        return (struct roll_zero){0.0, prior};
+    const double posterior = 1.0 / (information + 1.0 / (prior * prior));
+    return (struct roll_zero){filtered / variance * posterior, sqrt(posterior)};
 }
 
-/* What of it is taken off: nothing where it may as well be nothing, nearly all where it is some deviations, rad. */
-static inline double roll_zero_shown(struct roll_zero zero)
+/* The correction by an estimated zero, rad: none within one standard deviation, nearly all of it at several. */
+static inline double roll_zero_correction(struct roll_zero zero)
 {
     return fabs(zero.value) > zero.deviation ? zero.value - zero.deviation * zero.deviation / zero.value : 0.0;
 }
 
-/* Whether the roll of a body is reversed: bodies whose signs do not show apart from each other are all named. */
+/* Whether the roll of a body is reversed; bodies whose signs cannot be distinguished are all named. */
 static inline int lean_bank_reversed(const struct lean_bank *bank, int body)
 {
     int reversed = 0;
 
-    if (!(bank->against[0] > LEAN_CERTAIN))
+    if (!(bank->log_odds[0] > LEAN_CERTAIN))
         return 0;
     for (int h = 1; h < SIGNS; ++h)
-        reversed |= (h >> body & 1) && bank->against[h] < LEAN_CLOSE;
+        reversed |= (h >> body & 1) && bank->log_odds[h] < LEAN_CLOSE;
     return reversed;
 }
 

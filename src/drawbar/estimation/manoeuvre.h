@@ -1,8 +1,8 @@
-/* Manoeuvre: by how much the vehicle has lately changed its motion; right fixes may then lie off
+/* Manoeuvre: the recent change of the vehicle's motion, by which the innovations of correct fixes grow
  * (docs/theory/screening.md).
  *
- * What is late by a time that nobody tells (a fix after the vehicle, a body after its wheels) puts an antenna off by that
- * time its motion. The estimator takes up what lasts of it; what has changed lately it has not taken up yet.
+ * An unmodelled delay (of a fix, or of a body behind its wheels) displaces an antenna by its motion during the delay. The
+ * estimator compensates the steady part of that displacement, not yet the part of a recent change.
  */
 #ifndef DRAWBAR_MANOEUVRE_H
 #define DRAWBAR_MANOEUVRE_H
@@ -10,25 +10,25 @@
 #include <math.h>
 #include <stdint.h>
 
-/* How the tractor moves, or by how much that has changed. */
+/* The tractor's motion, or its change. */
 struct motion {
     double speed, yaw_rate;                /* m/s, rad/s */
 };
 
 struct manoeuvre {
-    struct motion mean;                    /* what the estimator has taken up */
-    struct motion change;                  /* beyond that, fading */
+    struct motion mean;                    /* that the estimator has compensated */
+    struct motion change;                  /* beyond that, decaying */
 };
 
-/* Take in a value; a change fades as the mean follows, even where the motion only passes through its mean. */
+/* Update with a value; a change decays as the mean follows, even where the motion only passes through its mean. */
 static inline void manoeuvre_follow(double value, int32_t settling, double *mean, double *change)
 {
     *change = fmax(fabs(value - *mean), *change * (1.0 - 1.0 / settling));
     *mean += (value - *mean) / settling;
 }
 
-/* Take in one sample's motion; what of it is not known stays as it was. settling: samples in which the estimator takes up
- * a change. */
+/* Update with one sample's motion; an unknown part stays as it was. settling: time constant in which the estimator compensates
+ * a change, samples. */
 static inline void manoeuvre_update(struct manoeuvre *manoeuvre, const struct motion *motion, int32_t settling)
 {
     if (isfinite(motion->speed))

@@ -1,9 +1,8 @@
-/* Mast swing: whether an antenna swings as the roll says that its body's sensor reports.
+/* Mast swing: whether an antenna moves sideways as the roll that its body's sensor reports implies.
  *
- * A mast of height h carries its antenna by -h sin(roll) to the left. Beside the estimator's own prediction, corrected by nothing but
- * its speed and yaw, each fix shows where the antenna is, and over many of them which share of the reported roll the mast
- * swings with: 1 of a sensor that is right, -1 of one that is reversed, between where the roll is nothing but noise. A Kalman
- * filter finds this share along with the prediction's own drift.
+ * A mast of height h moves its antenna by -h sin(roll) to the left. Each fix, relative to dead reckoning by the estimator's speed
+ * and yaw, measures the antenna's lateral position. A Kalman filter estimates with which gain that follows the reported roll,
+ * along with offset and drift of the dead reckoning: 1 with a correct sensor, -1 with a reversed one, between with pure noise.
  */
 #ifndef DRAWBAR_MAST_SWING_H
 #define DRAWBAR_MAST_SWING_H
@@ -13,100 +12,100 @@
 #include <string.h>
 #include "geometry.h"
 
-enum { SWING_OFFSET, SWING_DRIFT, SWING_SHARE, SWUNG };
+enum { SWING_OFFSET, SWING_DRIFT, SWING_GAIN, SWING_STATES };
 
-#define OFFSET_FIRST 0.3                   /* deviation of the prediction's place, m */
-#define DRIFT_FIRST 0.05                   /* and of its direction before anything is known, rad */
-#define SHARE_FIRST 1.0                    /* deviation of the share before anything is known */
-#define OFFSET_WALK 0.01                   /* by which place, m, */
-#define DRIFT_WALK 0.005                    /* direction, rad, */
-#define SHARE_WALK 0.02                    /* and share change, each per square root of a metre */
-#define SWING_NOISE 0.02                   /* of a fix, with that of the roll, at least, m */
-#define SWING_JUMP 4.0                     /* deviations of a fix that has jumped: it says nothing of the roll */
-#define SWING_USUAL 30.0                   /* time over which the squares of what is unexpected are averaged, s */
-#define SWING_LATELY 4.0                   /* the same for what is so now, s */
-#define SWING_CERTAIN 4.5                  /* deviations by which the share is below zero of a reversed sensor */
-#define SWING_ODD 3.0                      /* times the usual that is too much beside a roll that stands still */
+#define OFFSET_PRIOR 0.3                   /* prior standard deviations: of the dead reckoning's offset, m, */
+#define DRIFT_PRIOR 0.05                   /* of its direction, rad, */
+#define GAIN_PRIOR 1.0                     /* and of the gain */
+#define OFFSET_WALK 0.01                   /* random walks: of the offset, m, */
+#define DRIFT_WALK 0.005                   /* of the direction, rad, */
+#define GAIN_WALK 0.02                     /* and of the gain, each per square root of a metre */
+#define SWING_NOISE 0.02                   /* least standard deviation of a fix, that of the roll included, m */
+#define SWING_JUMP 4.0                     /* standard deviations from which on a fix has jumped: it shows no roll */
+#define SWING_BASELINE 30.0                /* time constants of the normalised innovations squared: long, s, */
+#define SWING_RECENT 4.0                   /* and short, s */
+#define SWING_SIGNIFICANT 4.5              /* standard deviations by which the gain of a reversed sensor is below zero */
+#define SWING_EXCESSIVE 3.0                /* ratio of both means beyond which a constant roll is contradicted */
 
 struct mast_swing {
-    double state[SWUNG];                   /* place, m, and direction of the prediction, rad; share */
-    double covariance[SWUNG][SWUNG];
+    double state[SWING_STATES];            /* offset, m, and direction of the dead reckoning, rad; gain */
+    double covariance[SWING_STATES][SWING_STATES];
     double expected[2];                    /* where the ground point was expected, m */
-    double usual, lately;                  /* mean squares of what is unexpected, in variances */
-    double averaged;                       /* time over which the usual one has been, s */
-    double least;                          /* usual one that SWING_NOISE makes */
-    int32_t begun;
+    double baseline, recent;               /* normalised innovation squared: long and short mean */
+    double baseline_time;                  /* time that the long mean covers so far, s */
+    double baseline_floor;                 /* least long mean, by SWING_NOISE */
+    int32_t initialised;
 };
 
 static inline void swing_begin(struct mast_swing *swing, const double *expected)
 {
-    *swing = (struct mast_swing){.state = {[SWING_SHARE] = 1.0}, .usual = 1.0, .averaged = SWING_LATELY, .begun = 1};
-    swing->covariance[SWING_OFFSET][SWING_OFFSET] = OFFSET_FIRST * OFFSET_FIRST;
-    swing->covariance[SWING_DRIFT][SWING_DRIFT] = DRIFT_FIRST * DRIFT_FIRST;
-    swing->covariance[SWING_SHARE][SWING_SHARE] = SHARE_FIRST * SHARE_FIRST;
+    *swing = (struct mast_swing){.state = {[SWING_GAIN] = 1.0}, .baseline = 1.0, .baseline_time = SWING_RECENT, .initialised = 1};
+    swing->covariance[SWING_OFFSET][SWING_OFFSET] = OFFSET_PRIOR * OFFSET_PRIOR;
+    swing->covariance[SWING_DRIFT][SWING_DRIFT] = DRIFT_PRIOR * DRIFT_PRIOR;
+    swing->covariance[SWING_GAIN][SWING_GAIN] = GAIN_PRIOR * GAIN_PRIOR;
     memcpy(swing->expected, expected, sizeof swing->expected);
 }
 
-/* Let the vehicle move on by `moved` (m) to where its ground point is expected; `corrected`: to its left, what the newest
- * estimate has corrected the last expectation by, m. */
-static inline void swing_move(struct mast_swing *swing, const double *expected, double corrected, double moved)
+/* Propagate over a travelled distance (m) to the next expected ground point; `corrected`: by how much to the left the newest
+ * estimate has corrected the last expectation, m. */
+static inline void swing_propagate(struct mast_swing *swing, const double *expected, double corrected, double travelled)
 {
-    double (*covariance)[SWUNG] = swing->covariance;
+    double (*covariance)[SWING_STATES] = swing->covariance;
 
-    swing->state[SWING_OFFSET] += moved * swing->state[SWING_DRIFT] - corrected;
-    for (int i = 0; i < SWUNG; ++i)
-        covariance[SWING_OFFSET][i] += moved * covariance[SWING_DRIFT][i];
-    for (int i = 0; i < SWUNG; ++i)
-        covariance[i][SWING_OFFSET] += moved * covariance[i][SWING_DRIFT];
-    covariance[SWING_OFFSET][SWING_OFFSET] += moved * OFFSET_WALK * OFFSET_WALK;
-    covariance[SWING_DRIFT][SWING_DRIFT] += moved * DRIFT_WALK * DRIFT_WALK;
-    covariance[SWING_SHARE][SWING_SHARE] += moved * SHARE_WALK * SHARE_WALK;
+    swing->state[SWING_OFFSET] += travelled * swing->state[SWING_DRIFT] - corrected;
+    for (int i = 0; i < SWING_STATES; ++i)
+        covariance[SWING_OFFSET][i] += travelled * covariance[SWING_DRIFT][i];
+    for (int i = 0; i < SWING_STATES; ++i)
+        covariance[i][SWING_OFFSET] += travelled * covariance[i][SWING_DRIFT];
+    covariance[SWING_OFFSET][SWING_OFFSET] += travelled * OFFSET_WALK * OFFSET_WALK;
+    covariance[SWING_DRIFT][SWING_DRIFT] += travelled * DRIFT_WALK * DRIFT_WALK;
+    covariance[SWING_GAIN][SWING_GAIN] += travelled * GAIN_WALK * GAIN_WALK;
     memcpy(swing->expected, expected, sizeof swing->expected);
 }
 
-/* Take in how far left of its expected ground point an antenna is (m), where the roll would put it so far to the left (m).
- * deviation: of the fix, m; learns: what is unexpected may become usual; elapsed: since the last sample, s. */
-static inline void swing_take(struct mast_swing *swing, double beside, double rolled, double deviation, int learns,
-                              double elapsed)
+/* Update with an antenna's lateral position (m, left of the expected ground point) and the one that the roll implies (m).
+ * deviation: of the fix, m; learns: whether the long mean is updated; elapsed: since the last sample, s. */
+static inline void swing_update(struct mast_swing *swing, double lateral, double by_roll, double deviation, int learns,
+                                double elapsed)
 {
-    const double row[SWUNG] = {1.0, 0.0, rolled}, noise = fmax(deviation, SWING_NOISE);
-    double gain[SWUNG], variance = noise * noise, error = beside;
+    const double row[SWING_STATES] = {1.0, 0.0, by_roll}, noise = fmax(deviation, SWING_NOISE);
+    double gain[SWING_STATES], variance = noise * noise, innovation = lateral;
 
-    if (!isfinite(beside + rolled))
+    if (!isfinite(lateral + by_roll))
         return;
-    for (int i = 0; i < SWUNG; ++i) {
-        gain[i] = swing->covariance[i][SWING_OFFSET] + rolled * swing->covariance[i][SWING_SHARE];
-        error -= row[i] * swing->state[i];
+    for (int i = 0; i < SWING_STATES; ++i) {
+        gain[i] = swing->covariance[i][SWING_OFFSET] + by_roll * swing->covariance[i][SWING_GAIN];
+        innovation -= row[i] * swing->state[i];
     }
-    variance += gain[SWING_OFFSET] + rolled * gain[SWING_SHARE];
-    const double odd = fmin(error * error / variance, SWING_JUMP * SWING_JUMP);
-    swing->least = SWING_NOISE / noise * SWING_NOISE / noise;
-    swing->averaged = fmin(swing->averaged + learns * elapsed, SWING_USUAL);
-    swing->usual -= learns * expm1(-elapsed / swing->averaged) * (odd - swing->usual);
-    swing->lately -= expm1(-elapsed / SWING_LATELY) * (odd - swing->lately);
-    if (odd >= SWING_JUMP * SWING_JUMP) {  /* the place is another one */
-        swing->covariance[SWING_OFFSET][SWING_OFFSET] += OFFSET_FIRST * OFFSET_FIRST;
-        gain[SWING_OFFSET] += OFFSET_FIRST * OFFSET_FIRST;
-        variance += OFFSET_FIRST * OFFSET_FIRST;
+    variance += gain[SWING_OFFSET] + by_roll * gain[SWING_GAIN];
+    const double nis = fmin(innovation * innovation / variance, SWING_JUMP * SWING_JUMP);
+    swing->baseline_floor = SWING_NOISE / noise * SWING_NOISE / noise;
+    swing->baseline_time = fmin(swing->baseline_time + learns * elapsed, SWING_BASELINE);
+    swing->baseline -= learns * expm1(-elapsed / swing->baseline_time) * (nis - swing->baseline);
+    swing->recent -= expm1(-elapsed / SWING_RECENT) * (nis - swing->recent);
+    if (nis >= SWING_JUMP * SWING_JUMP) {  /* the offset is another one */
+        swing->covariance[SWING_OFFSET][SWING_OFFSET] += OFFSET_PRIOR * OFFSET_PRIOR;
+        gain[SWING_OFFSET] += OFFSET_PRIOR * OFFSET_PRIOR;
+        variance += OFFSET_PRIOR * OFFSET_PRIOR;
     }
-    for (int i = 0; i < SWUNG; ++i) {
-        swing->state[i] += gain[i] / variance * error;
-        for (int j = 0; j < SWUNG; ++j)
+    for (int i = 0; i < SWING_STATES; ++i) {
+        swing->state[i] += gain[i] / variance * innovation;
+        for (int j = 0; j < SWING_STATES; ++j)
             swing->covariance[i][j] -= gain[i] * gain[j] / variance;
     }
 }
 
-/* Whether the antenna swings against the roll. */
+/* Whether the antenna moves against the reported roll. */
 static inline int swing_reversed(const struct mast_swing *swing)
 {
-    const double deviation = sqrt(swing->covariance[SWING_SHARE][SWING_SHARE] * fmax(swing->usual, 1.0));
-    return swing->state[SWING_SHARE] < -SWING_CERTAIN * deviation;
+    const double deviation = sqrt(swing->covariance[SWING_GAIN][SWING_GAIN] * fmax(swing->baseline, 1.0));
+    return swing->state[SWING_GAIN] < -SWING_SIGNIFICANT * deviation;
 }
 
-/* Whether the antenna swings more than it usually is off. */
-static inline int swing_odd(const struct mast_swing *swing)
+/* Whether the innovations have grown beyond their long-term variance. */
+static inline int swing_excessive(const struct mast_swing *swing)
 {
-    return swing->lately > SWING_ODD * fmax(swing->usual, swing->least);
+    return swing->recent > SWING_EXCESSIVE * fmax(swing->baseline, swing->baseline_floor);
 }
 
 #endif

@@ -17,7 +17,7 @@ struct component {
     struct estimation_model model;
     struct screening screening;
     struct fix_weights weights;
-    struct screened seen;                  /* the newest measurement */
+    struct screened screened;              /* the newest measurement */
     int32_t prepared;                      /* outcome of the last preparation, enum qp_status */
 };
 
@@ -52,8 +52,8 @@ static void overrule(struct component *component, const struct drawbar_measureme
     }
 }
 
-/* Forget the fixes of an antenna that has just turned out to be wrong, as far back as the disagreement was averaged. */
-static void disbelieve(struct component *component, int antenna)
+/* Mask the window's fixes of an antenna that has just become suspect, as far back as the means cover. */
+static void mask_suspect(struct component *component, int antenna)
 {
     const int newest = component->window.newest, tractor = antenna == TRACTOR_ANTENNA;
     const int first = newest > component->screening.memory ? newest - component->screening.memory : 0;
@@ -64,34 +64,35 @@ static void disbelieve(struct component *component, int antenna)
     }
 }
 
-/* Take in a measurement: judge its fixes, let the window forget what they show to have been wrong. */
+/* Screen a measurement and enter it into the window. */
 static void take_in(struct component *component, const struct drawbar_measurement *measurement)
 {
     double antennas[4];
 
     model_antennas(&component->model, newest_state(component), antennas);
     screening_judge(&component->screening, measurement, antennas,
-                    model_yaw_rate(&component->model, newest_state(component)), &component->seen);
-    if (component->seen.restart)
+                    model_yaw_rate(&component->model, newest_state(component)), &component->screened);
+    if (component->screened.restart)
         overrule(component, measurement);
-    if (!component->seen.restart) {
-        screening_hitch(&component->screening, model_hitch(newest_state(component)), &component->seen);
-        screening_lengths(&component->screening, antennas, &component->seen);
+    if (!component->screened.restart) {
+        screening_hitch(&component->screening, model_hitch(newest_state(component)), &component->screened);
+        screening_lengths(&component->screening, antennas, &component->screened);
     }
-    if (component->seen.exposed != NEITHER)
-        disbelieve(component, component->seen.exposed);
-    model_outputs(&component->model, &component->seen.measurement, component->rti.y[component->window.newest]);
-    fix_weights_set(&component->weights, &component->rti, component->window.newest, &component->seen.measurement,
+    if (component->screened.exposed != NEITHER)
+        mask_suspect(component, component->screened.exposed);
+    model_outputs(&component->model, &component->screened.measurement, component->rti.y[component->window.newest]);
+    fix_weights_set(&component->weights, &component->rti, component->window.newest, &component->screened.measurement,
                     component->screening.deviation);
 }
 
-/* Let the model learn from the newest estimate, and the whole window know. */
+/* Update the model's identified constants from the newest estimate, and shift the whole window accordingly. */
 static void learn(struct component *component)
 {
     struct rti *rti = &component->rti;
     double shift[NX];
 
-    if (rti->status != SOLVED || !model_learn(&component->model, newest_state(component), &component->seen.measurement, rti->constants, shift))
+    if (rti->status != SOLVED
+        || !model_learn(&component->model, newest_state(component), &component->screened.measurement, rti->constants, shift))
         return;
     for (int i = 0; i < NX; ++i) {
         rti->prior[i] += shift[i];
@@ -100,7 +101,7 @@ static void learn(struct component *component)
     }
 }
 
-/* The estimate that is expected at the next measurement, before there is one. Of its time it knows nothing. */
+/* The estimate that is expected at the next measurement; its time is NaN. */
 int UNIT(expected)(struct component *component, struct drawbar_estimate *estimate)
 {
     model_estimate(&component->model, newest_state(component), &nothing_measured, component->prepared, estimate);
@@ -115,30 +116,30 @@ int UNIT(update)(struct component *component, const struct drawbar_measurement *
     take_in(component, measurement);
     WATCHED(WATCHED_FEEDBACK, rti_feedback(&component->rti, lent));
     const int32_t status = component->rti.status != SOLVED ? component->rti.status : component->prepared;
-    model_estimate(&component->model, newest_state(component), &component->seen.measurement, status, estimate);
-    screened_mark(&component->seen, estimate);
+    model_estimate(&component->model, newest_state(component), &component->screened.measurement, status, estimate);
+    screened_mark(&component->screened, estimate);
     learn(component);
     return status;
 }
 
-/* Let the newest sample's inputs be those that a command tells (NULL: nobody tells), and the states behind it what follows
- * from them, by the linearisation, whose defects stay what they are. */
+/* Set the newest sample's inputs to those that a command implies (NULL: unknown), and propagate the change by the
+ * linearisation; its defects stay. */
 static void follow(struct component *component, const struct drawbar_command *acting)
 {
     struct rti *rti = &component->rti;
     const int k = component->window.newest - 1;
-    double *u = INPUT(rti->z, k), told[NU], moved[ND] = {0.0};
+    double *u = INPUT(rti->z, k), commanded[NU], moved[ND] = {0.0};
 
     if (acting == NULL)
         return;
-    memcpy(told, u, sizeof told);
-    model_told_inputs(&component->model, STATE(rti->z, k), acting, told);
+    memcpy(commanded, u, sizeof commanded);
+    model_commanded_inputs(&component->model, STATE(rti->z, k), acting, commanded);
     for (int i = 0; i < ND; ++i)
         for (int a = 0; a < NU; ++a)
-            moved[i] += rti->qp.B[k][i][a] * (told[a] - u[a]);
+            moved[i] += rti->qp.B[k][i][a] * (commanded[a] - u[a]);
     if (!all_finite(moved, ND))
         return;
-    memcpy(u, told, sizeof told);
+    memcpy(u, commanded, sizeof commanded);
     for (int j = k + 1; all_finite(moved, ND); ++j) {
         double next[ND] = {0.0};
         for (int i = 0; i < ND; ++i)
@@ -152,20 +153,19 @@ static void follow(struct component *component, const struct drawbar_command *ac
     }
 }
 
-/* Slide the window; the newest stage knows what the command does to the steering until the next one (NULL: nobody
- * tells). */
+/* Slide the window; the newest stage gets the steering rates that the command implies (NULL: unknown). */
 static void go_on(struct component *component, const struct drawbar_command *acting)
 {
     if (acting != NULL)
-        model_told_outputs(&component->model, newest_state(component), acting,
-                           component->rti.y[component->window.newest]);
+        model_commanded_outputs(&component->model, newest_state(component), acting,
+                                component->rti.y[component->window.newest]);
     const int full = component->window.newest == N;
     WATCHED(WATCHED_SLIDE, window_slide(&component->window, &component->rti));
     if (full)
         fix_weights_slide(&component->weights, &component->rti);
 }
 
-/* Do what can be done before the next measurement: slide the window, linearise along the predicted trajectory. */
+/* Preparation for the next measurement: slide the window, linearise along the predicted trajectory. */
 int UNIT(ready)(struct component *component, const struct drawbar_command *acting)
 {
     go_on(component, acting);
@@ -174,8 +174,8 @@ int UNIT(ready)(struct component *component, const struct drawbar_command *actin
     return component->prepared = component->window.absorbed != SOLVED ? component->window.absorbed : component->rti.status;
 }
 
-/* Let a sample pass in which nothing was measured: its stage is what was predicted. The next one, with a measurement or
- * without, makes the Hessian anew, and nothing is factorised before that. */
+/* Advance by a sample without a measurement: its stage is the prediction. The next one, with or without a measurement,
+ * recomputes the Hessian, and nothing is factorised before that. */
 int UNIT(skip)(struct component *component, const struct drawbar_command *acting)
 {
     model_outputs(&component->model, &nothing_measured, component->rti.y[component->window.newest]);
@@ -186,7 +186,7 @@ int UNIT(skip)(struct component *component, const struct drawbar_command *acting
     return component->prepared = component->window.absorbed;
 }
 
-/* From now on reckon with what is known of the actuators. */
+/* Use identified values of the actuators from now on. */
 int UNIT(actuation)(struct component *component, const struct drawbar_actuation *known)
 {
     model_actuation(&component->model, known);

@@ -23,47 +23,47 @@ struct reported_fix {
 struct position_alignment {
     struct mast masts[ALIGNED];
     double to_axle;                        /* from the trailer's tracked point back to its axle, m */
-    double fix_deviation;                  /* of fixes whose receiver does not tell, m */
+    double fix_deviation;                  /* of fixes whose receiver reports none, m */
     struct attitude_track tracks[ALIGNED];
-    double local[ALIGNED];                 /* share of what was recorded nearby, see ground_slope */
+    double local[ALIGNED];                 /* weight of the slope recorded nearby, see ground_slope */
     struct ground_record ground;
     struct reported_fix fixes[ALIGNED];
-    struct lean_watch leans;               /* what the roll sensors are worth */
+    struct lean_watch leans;               /* faults of the roll sensors */
 };
 
 #define POSITION_ALIGNMENT_FIELDS(type, place)                                                               \
     MAST_FIELDS(type, place.masts[ALIGNED_TRACTOR]) MAST_FIELDS(type, place.masts[ALIGNED_TRAILER])          \
     SETTING(type, place.to_axle, 0, 1, 0, 0) SETTING(type, place.fix_deviation, 0, 1, 0, 0)                  \
-    SETTING(type, place.ground.spacing, 0, 1, 0, 0) FIELD(type, place.leans.doubts, 1, LEANING, 0, 0)        \
+    SETTING(type, place.ground.spacing, 0, 1, 0, 0) FIELD(type, place.leans.faults, 1, LEAN_BODIES, 0, 0)        \
     FIELD(type, place.leans.bank.states, 0, SIGNS, LEANS, 0)                                                 \
     FIELD(type, place.leans.bank.covariance, 0, LEANS, LEANS, 0)
 
-/* What the roll sensor of a body shows while it stands level, beyond the stated offset, as far as it is found. */
+/* The estimated zero of a body's roll sensor, beyond the stated offset. */
 static inline struct roll_zero roll_zero(const struct position_alignment *positions, int body)
 {
     return lean_bank_zero(&positions->leans.bank, body, positions->masts[body].roll_deviation);
 }
 
-/* Take in roll and pitch of a body's sensor, and put in their place what they are without its offsets and what is found of
- * the roll's beyond, NaN where they are too old to show how the body stands now. */
+/* Record roll and pitch of a body's sensor, and correct them in place by the stated offsets and the estimated zero; NaN where
+ * they are too old. */
 static inline void take_attitude(struct position_alignment *positions, int body, const struct since *since, double age,
-                                 double *told_roll, double *told_pitch)
+                                 double *roll_now, double *pitch_now)
 {
     const struct mast *mast = &positions->masts[body];
-    const double roll = *told_roll - mast->roll_offset, pitch = *told_pitch - mast->pitch_offset;
+    const double roll = *roll_now - mast->roll_offset, pitch = *pitch_now - mast->pitch_offset;
     const double last = body == ALIGNED_TRACTOR ? since->last->tractor.yaw : since->last->trailer.yaw;
     const double now = body == ALIGNED_TRACTOR ? since->expected->tractor.yaw : since->expected->trailer.yaw;
 
-    const double zero = roll_zero_shown(roll_zero(positions, body));
-    if (attitude_take(&positions->tracks[body], since->now, age, roll - zero, pitch))
+    const double zero = roll_zero_correction(roll_zero(positions, body));
+    if (attitude_record(&positions->tracks[body], since->now, age, roll - zero, pitch))
         lean_watch_attitude(&positions->leans, body, at_age(since, age, last, now), roll, pitch, since->elapsed);
     const struct attitude_track *track = &positions->tracks[body];
     const int stands = attitude_is_new(track, since->now);
-    *told_roll = stands ? track->roll[track->count - 1] : (double)NAN;
-    *told_pitch = stands ? track->pitch[track->count - 1] : (double)NAN;
+    *roll_now = stands ? track->roll[track->count - 1] : (double)NAN;
+    *pitch_now = stands ? track->pitch[track->count - 1] : (double)NAN;
 }
 
-/* Record the ground below the tractor, or else below the trailer, as its newest attitude shows it. */
+/* Record the ground's slope below the tractor, or else below the trailer, by its newest attitude. */
 static inline void record_ground(struct position_alignment *positions, const struct since *since)
 {
     const int body = attitude_is_new(&positions->tracks[ALIGNED_TRACTOR], since->now) ? ALIGNED_TRACTOR : ALIGNED_TRAILER;
@@ -77,35 +77,35 @@ static inline void record_ground(struct position_alignment *positions, const str
     const double age = since->now - track->time[track->count - 1], yaw = at_age(since, age, last->yaw, now->yaw);
     const double back = body == ALIGNED_TRAILER ? positions->to_axle : 0.0;
     slope_below(yaw, track->roll[track->count - 1], track->pitch[track->count - 1], slope);
-    ground_take(&positions->ground, at_age(since, age, last->x, now->x) - back * cos(yaw),
-                at_age(since, age, last->y, now->y) - back * sin(yaw), slope);
+    ground_record_slope(&positions->ground, at_age(since, age, last->x, now->x) - back * cos(yaw),
+                        at_age(since, age, last->y, now->y) - back * sin(yaw), slope);
 }
 
-/* How far left a way (m) leads, for one who faces so. */
-static inline double to_left(double yaw, const double *way)
+/* The component of a displacement (m) to the left of a heading (rad), m. */
+static inline double to_left(double yaw, const double *displacement)
 {
-    return way[1] * cos(yaw) - way[0] * sin(yaw);
+    return displacement[1] * cos(yaw) - displacement[0] * sin(yaw);
 }
 
-/* Let the swing of a body's antenna know where its ground point is expected. */
+/* Propagate the swing of a body's antenna to its next expected ground point. */
 static inline void move_swing(struct mast_swing *swing, const struct since *since, const struct drawbar_pose *last,
                               const struct drawbar_pose *now)
 {
     const double corrected[] = {last->x - swing->expected[0], last->y - swing->expected[1]};
     const double expected[] = {now->x, now->y}, left = to_left(last->yaw, corrected);
 
-    if (swing->begun && isfinite(left))
-        swing_move(swing, expected, left, moved_since(since));
+    if (swing->initialised && isfinite(left))
+        swing_propagate(swing, expected, left, moved_since(since));
     else
         swing_begin(swing, expected);
 }
 
-/* How a body leaned at an age (s): by its own sensor, and by the ground that was recorded as far as that is not there. */
+/* Roll and pitch of a body at an age (s): by its own sensor, else by the recorded ground. */
 static inline void lean(struct position_alignment *positions, int body, const struct since *since, double age,
                         const struct drawbar_pose *pose, double *roll, double *pitch)
 {
     struct attitude_track *track = &positions->tracks[body];
-    const double own = attitude_trust(track, since->now);
+    const double own = attitude_weight(track, since->now);
     const double back = body == ALIGNED_TRAILER ? positions->to_axle : 0.0;
     const int follows = body == ALIGNED_TRAILER && attitude_is_new(&positions->tracks[ALIGNED_TRACTOR], since->now);
     double slope[2], recorded[2];
@@ -118,8 +118,8 @@ static inline void lean(struct position_alignment *positions, int body, const st
     *pitch = recorded[1] + own * (*pitch - recorded[1]);
 }
 
-/* Let the antenna's swing be held against its body's own roll. deviation: of the fix, as it is told, m; fix: on the ground,
- * m; arm: that has been taken off, m. */
+/* Update the antenna's swing with a fix and its body's roll. deviation: of the fix, as reported, m; fix: on the ground, m; arm:
+ * the lever arm that was subtracted, m. */
 static inline void watch_swing(struct position_alignment *positions, int body, const struct since *since, double age,
                                double deviation, const double *fix, const double *arm)
 {
@@ -133,11 +133,11 @@ static inline void watch_swing(struct position_alignment *positions, int body, c
     if (!attitude_is_new(track, since->now))
         return;
     attitude_at(track, since->now - age, &roll, &pitch);
-    swing_take(&positions->leans.swings[body], to_left(now->yaw, antenna) - mast->left * cos(roll), -mast->up * sin(roll),
-               noise, !lean_is_still(&positions->leans.still[body]), since->elapsed);
+    swing_update(&positions->leans.swings[body], to_left(now->yaw, antenna) - mast->left * cos(roll), -mast->up * sin(roll),
+                 noise, !lean_is_constant(&positions->leans.constant[body]), since->elapsed);
 }
 
-/* Align one body's fix in place; NaN where it is too old or none. deviation: of the fix, as it is told, m. */
+/* Align one body's fix in place; NaN where it is too old or none. deviation: of the fix, as reported, m. */
 static inline void align_fix(struct position_alignment *positions, int body, const struct since *since, double age,
                              double deviation, double *fix)
 {

@@ -10,37 +10,37 @@
 #define RATES_KEPT 8                       /* samples */
 
 struct rate_history {
-    double rates[RATES_KEPT];                   /* newest first, rad/s */
+    double rates[RATES_KEPT];              /* newest first, rad/s */
 };
 
-/* Begin with a rate that did not change, rad/s. */
+/* Initialise with a constant rate, rad/s. */
 static inline void rate_history_begin(struct rate_history *history, double rate)
 {
     for (int i = 0; i < RATES_KEPT; ++i)
         history->rates[i] = rate;
 }
 
-/* Take in the yaw rate of this sample, rad/s: from now on it is the one before. */
-static inline void rate_history_take(struct rate_history *history, double rate)
+/* Record the yaw rate of this sample, rad/s: from now on it is the one before. */
+static inline void rate_history_record(struct rate_history *history, double rate)
 {
     memmove(history->rates + 1, history->rates, (RATES_KEPT - 1) * sizeof(double));
     history->rates[0] = rate;
 }
 
-/* What a sensor would report now that reported `told` (rad/s) at an age (s), while the yaw rate became `now`; elapsed: of a
+/* What a sensor would report now that reported `measured` (rad/s) at an age (s), while the yaw rate became `now`; elapsed: of a
  * sample, s. NaN where the samples do not reach back. */
-static inline double rate_history_brought_up(const struct rate_history *history, double told, double age, double elapsed,
+static inline double rate_history_brought_up(const struct rate_history *history, double measured, double age, double elapsed,
                                              double now)
 {
     const double samples = age > 0.0 && elapsed > 0.0 ? age / elapsed : 0.0;
 
     if (age == 0.0 || isnan(age))
-        return told;
+        return measured;
     if (age < 0.0 || !(samples < RATES_KEPT))
         return (double)NAN;
     const int k = (int)samples;
     const double newer = k > 0 ? history->rates[k - 1] : now;
-    return told + now - newer - (samples - k) * (history->rates[k] - newer);
+    return measured + now - newer - (samples - k) * (history->rates[k] - newer);
 }
 
 #endif

@@ -1,35 +1,35 @@
-/* Screening of position fixes: what a receiver repeats, or cannot have seen, is masked before it is estimated with.
+/* Screening of position fixes: repeated and implausible ones are masked before the estimator uses them.
  *
- * Each fix is compared with where the estimator expects that antenna, across and along the vehicle: a validation gate
- * (Bar-Shalom, Li, Kirubarajan 2001, section 5.4) that widens while there is no fix and while the vehicle changes its
- * motion (manoeuvre.h). What is too small for the gate shows in how both antennas disagree (suspicion.h); what both agree
- * on prevails in the end (trust.h).
+ * The innovation of each fix must lie in a validation gate, lateral and longitudinal (Bar-Shalom, Li, Kirubarajan 2001, section
+ * 5.4), that widens while there is no fix and while the vehicle changes its motion (manoeuvre.h). Errors too small for the gate
+ * show in the difference of both antennas' innovations (suspicion.h); where both agree against the estimate for long, they
+ * overrule it (trust.h).
  */
 #ifndef DRAWBAR_SCREENING_H
 #define DRAWBAR_SCREENING_H
 
-#include "leap.h"
 #include "manoeuvre.h"
 #include "noise_level.h"
 #include "signals.h"
+#include "spike_filter.h"
 #include "suspicion.h"
 #include "sway.h"
 #include "trust.h"
 
-#define COARSE 3.0                         /* usual deviations; with more a fix vouches for nothing and accuses no one */
+#define COARSE 3.0                         /* nominal standard deviations; a fix beyond neither confirms nor suspects another */
 
-/* What is remembered of one receiver. */
+/* State of one receiver. */
 struct receiver {
-    double fix[2], expected[2];            /* what it reports; where the antenna was expected when it first did, m */
+    double fix[2], expected[2];            /* the newest fix; where the antenna was expected when it was first reported, m */
     time_stamp accepted;                   /* of the last accepted fix that was not coarse */
     int32_t reported, was_accepted;        /* has it ever reported a fix; has one been accepted? */
 };
 
 struct screening {
-    /* settings: estimation/settings.py tells what they mean */
+    /* settings, described in estimation/settings.py */
     double lateral, longitudinal, growth, single_growth, shift, release, length, hitch, repetition, patience, late;
     double steering, speed;
-    double deviation;                      /* of one coordinate of a fix at least, m */
+    double deviation;                      /* least standard deviation of one coordinate of a fix, m */
     int32_t memory, long_memory, settling;
     /* state */
     struct receiver receivers[2];
@@ -37,7 +37,7 @@ struct screening {
     struct suspicion suspicion;
     struct trust trust;
     struct manoeuvre manoeuvre;
-    struct leap leaps[3];                  /* of speed and both steerings */
+    struct spike_filter spikes[3];         /* of speed and both steerings */
     double length_error;                   /* mean error of the antennas' distance, m */
     int32_t refused;                       /* both fixes of the last sample lay outside their gates */
     int32_t lengths;                       /* samples in it */
@@ -54,12 +54,12 @@ struct screening {
     SETTING(type, prefix memory, 1, 1, 0, 0) SETTING(type, prefix long_memory, 1, 1, 0, 0)                 \
     SETTING(type, prefix settling, 1, 1, 0, 0)
 
-/* A measurement without the fixes that are not to be believed. */
+/* A measurement without the fixes that were rejected. */
 struct screened {
-    struct drawbar_measurement measurement;   /* NaN in place of what was masked */
+    struct drawbar_measurement measurement;   /* NaN in place of masked values */
     int32_t fixes[2];                      /* enum drawbar_fix of the tractor's antenna and of the trailer's */
-    int32_t exposed;                       /* enum antenna: has become suspect with this sample; what it reported just
-                                            * before was wrong as well */
+    int32_t exposed;                       /* enum antenna: has become suspect with this sample; its fixes just before were
+                                            * wrong as well */
     int32_t restart;                       /* both antennas overrule the estimate: it is to start anew from this
                                             * measurement */
 };
@@ -83,9 +83,8 @@ static inline int32_t receiver_fix(struct receiver *receiver, const double *fix,
     return receiver_travelled(receiver, fix, expected) > repetition ? DRAWBAR_FIX_STALE : DRAWBAR_FIX_ACCEPTED;
 }
 
-/* By how much each gate has widened for want of a fix, and because the vehicle of this length (m) turns another way than
- * before, m. */
-static inline void screening_rooms(const struct screening *s, double time, double length, double *rooms)
+/* By how much each gate has widened without a fix, and because the vehicle of this length (m) has changed its yaw rate, m. */
+static inline void screening_widenings(const struct screening *s, double time, double length, double *widenings)
 {
     const double turned = s->late * s->manoeuvre.change.yaw_rate * length;
     double blind[2];
@@ -93,75 +92,75 @@ static inline void screening_rooms(const struct screening *s, double time, doubl
     for (int i = 0; i < 2; ++i)
         blind[i] = s->receivers[i].was_accepted ? time - s->receivers[i].accepted : 0.0;
     for (int i = 0; i < 2; ++i)
-        rooms[i] = s->growth * fmin(blind[0], blind[1]) + s->single_growth * blind[i] + turned;
+        widenings[i] = s->growth * fmin(blind[0], blind[1]) + s->single_growth * blind[i] + turned;
 }
 
-/* Let both fixes, which lie so far (4 values, m) from where they are expected, be compared with each other. */
-static inline void screening_compare(struct screening *s, double *offsets, const int *outside, double deviation,
-                                     double room)
+/* Compare both fixes with each other by their innovations (4 values, m). */
+static inline void screening_compare(struct screening *s, double *innovations, const int *outside, double deviation,
+                                     double widening)
 {
-    const double changing = noise_deviation(&s->noise);
+    const double white = noise_deviation(&s->noise);
     const struct suspicion_limits limits = {
-        .most = s->lateral * deviation,
+        .gate = s->lateral * deviation,
         .shift = s->shift * deviation,
         .release = s->release / s->shift,
-        .lasting = fmax(s->deviation * s->deviation - changing * changing, 0.0),
-        .room = room,
+        .lasting = fmax(s->deviation * s->deviation - white * white, 0.0),
+        .widening = widening,
         .memory = s->memory,
     };
 
-    offsets[0] -= 0.5 * s->length_error;   /* each is off by half of what the configured lengths are wrong */
-    offsets[2] += 0.5 * s->length_error;
-    const double disagreement[] = {offsets[0] - offsets[2], offsets[1] - offsets[3]};
-    noise_update(&s->noise, disagreement, 2.0 * limits.most, s->long_memory);
-    if (s->trust.earned)                   /* an estimate that nobody has confirmed yet accuses no one */
-        suspicion_update(&s->suspicion, &limits, offsets, outside);
+    innovations[0] -= 0.5 * s->length_error; /* half of the configured lengths' error each */
+    innovations[2] += 0.5 * s->length_error;
+    const double difference[] = {innovations[0] - innovations[2], innovations[1] - innovations[3]};
+    noise_update(&s->noise, difference, 2.0 * limits.gate, s->long_memory);
+    if (s->trust.earned)                   /* an estimate without confirmation cannot suspect an antenna */
+        suspicion_update(&s->suspicion, &limits, innovations, outside);
     else
         suspicion_forget(&s->suspicion);
 }
 
-/* Let two false fixes not come back one after the other because the gates widen while both are refused: unless both come
- * back and agree, a fix must be inside without that. One that the model does not tie to the other (single_growth) stands by
- * itself.
+/* After two rejected fixes, whose gates widen, accept a fix inside the widened gate only where both agree: else two false
+ * fixes would return one after the other. Fixes that the model does not couple (single_growth) are exempt.
  *
- * offsets: of both fixes (4 values, m); across: both gates before they widened, m; room: by how much they have, m. */
-static inline void screening_narrow(struct screening *s, const double *offsets, const double *across, double room,
+ * across: both lateral gates before they widened, m. */
+static inline void screening_narrow(struct screening *s, const double *innovations, const double *across, double widening,
                                     int *outside)
 {
-    const int apart = outside[0] || outside[1] || distance(offsets, offsets + 2) > hypot(across[0], across[1]) + room;
+    const int disagree = outside[0] || outside[1]
+        || distance(innovations, innovations + 2) > hypot(across[0], across[1]) + widening;
 
-    if (s->refused && apart && !(s->single_growth > 0.0))
+    if (s->refused && disagree && !(s->single_growth > 0.0))
         for (int i = 0; i < 2; ++i)
-            outside[i] |= !(fabs(offsets[2 * i + 1]) <= across[i]);
+            outside[i] |= !(fabs(innovations[2 * i + 1]) <= across[i]);
     s->refused = outside[0] && outside[1];
 }
 
-/* The deviation of one coordinate of a usual fix, m: the stated one, or what the fixes show where that is more. */
+/* The standard deviation of one coordinate of a nominal fix, m: the stated one, or the estimated one where that is more. */
 static inline double screening_white(const struct screening *s)
 {
     return fmax(noise_deviation(&s->noise), s->deviation);
 }
 
-/* Find which fixes lie outside their gates, and who is suspect.
+/* Test both fixes against their gates and each other.
  *
- * told: deviation of each fix, m, NaN: the usual one; both: both have a fix that can vouch for the other; deviation:
- * of one coordinate of a usual fix, with sway, m. */
+ * reported: standard deviation of each fix, m, NaN: nominal; both: both have a fix that may confirm the other; deviation:
+ * of one coordinate of a nominal fix, with sway, m. */
 static inline void screening_gate(struct screening *s, double time, const double *fixes, const double *expected,
-                                  const double *told, int both, double deviation, int *outside)
+                                  const double *reported, int both, double deviation, int *outside)
 {
-    const double sped = s->late * s->manoeuvre.change.speed;
-    double offsets[4], rooms[2], across[2];
+    const double by_speed = s->late * s->manoeuvre.change.speed;
+    double innovations[4], widenings[2], across[2];
 
-    antenna_offsets(fixes, expected, offsets);
-    screening_rooms(s, time, distance(expected, expected + 2), rooms);
+    antenna_innovations(fixes, expected, innovations);
+    screening_widenings(s, time, distance(expected, expected + 2), widenings);
     for (int i = 0; i < 2; ++i) {
-        across[i] = s->lateral * fmax(deviation, told[i]);
-        const double longitudinal = fmax(s->longitudinal, s->lateral * told[i]) + rooms[i] + sped;
-        outside[i] = !(fabs(offsets[2 * i + 1]) <= across[i] + rooms[i] && fabs(offsets[2 * i]) <= longitudinal);
+        across[i] = s->lateral * fmax(deviation, reported[i]);
+        const double longitudinal = fmax(s->longitudinal, s->lateral * reported[i]) + widenings[i] + by_speed;
+        outside[i] = !(fabs(innovations[2 * i + 1]) <= across[i] + widenings[i] && fabs(innovations[2 * i]) <= longitudinal);
     }
     if (both) {
-        screening_narrow(s, offsets, across, fmax(rooms[0], rooms[1]), outside);
-        screening_compare(s, offsets, outside, deviation, fmax(rooms[0], rooms[1]));
+        screening_narrow(s, innovations, across, fmax(widenings[0], widenings[1]), outside);
+        screening_compare(s, innovations, outside, deviation, fmax(widenings[0], widenings[1]));
     } else {
         s->refused = 0;
         noise_interrupt(&s->noise);
@@ -169,27 +168,27 @@ static inline void screening_gate(struct screening *s, double time, const double
     }
 }
 
-/* Are the antennas as far from each other as they have been, or at first as they should be? Once they have confirmed the
- * estimate, one must also be seen from the other in about the expected direction: nothing turns the vehicle unseen. */
+/* Whether the distance of the antennas is the mean one, or at first the configured one. Once they have confirmed the estimate,
+ * the direction from one to the other must also be about the expected one. */
 static inline int screening_plausible(const struct screening *s, double time, const double *fixes,
-                                      const double *expected, double error)
+                                      const double *expected, double length_innovation)
 {
-    double offsets[4], rooms[2];
+    double innovations[4], widenings[2];
 
-    antenna_offsets(fixes, expected, offsets);
-    screening_rooms(s, time, distance(expected, expected + 2), rooms);
-    const double turned = s->length + s->lateral * s->deviation + fmax(rooms[0], rooms[1]);
-    return fabs(error - s->length_error) <= (s->lengths ? s->length : s->longitudinal)
-        && (!s->trust.earned || fabs(offsets[1] - offsets[3]) <= turned);
+    antenna_innovations(fixes, expected, innovations);
+    screening_widenings(s, time, distance(expected, expected + 2), widenings);
+    const double turned = s->length + s->lateral * s->deviation + fmax(widenings[0], widenings[1]);
+    return fabs(length_innovation - s->length_error) <= (s->lengths ? s->length : s->longitudinal)
+        && (!s->trust.earned || fabs(innovations[1] - innovations[3]) <= turned);
 }
 
-static inline void screening_learn(struct screening *s, double error)
+static inline void screening_learn(struct screening *s, double length_innovation)
 {
     s->lengths = s->lengths < s->long_memory ? s->lengths + 1 : s->long_memory;
-    s->length_error += (error - s->length_error) / s->lengths;
+    s->length_error += (length_innovation - s->length_error) / s->lengths;
 }
 
-/* What each receiver reports; returns whether both have a fix. */
+/* The status of each receiver's fix; returns whether both have one. */
 static inline int screening_receive(struct screening *s, const double *fixes, const double *expected, int32_t *found)
 {
     for (int i = 0; i < 2; ++i)
@@ -210,105 +209,105 @@ static inline int screening_reject(const struct screening *s, const int *outside
     return rejected;
 }
 
-/* Begin a screened measurement: of speed and steering angles a single false one is masked. */
-static inline void screening_leaps(struct screening *s, const struct drawbar_measurement *measurement,
-                                   struct drawbar_measurement *believed)
+/* Start a screened measurement: of speed and steering angles single outliers are masked. */
+static inline void screening_spikes(struct screening *s, const struct drawbar_measurement *measurement,
+                                    struct drawbar_measurement *accepted)
 {
-    *believed = *measurement;
-    believed->speed = leap_masked(&s->leaps[0], s->speed, measurement->speed);
-    believed->tractor_steering = leap_masked(&s->leaps[1], s->steering, measurement->tractor_steering);
-    believed->trailer_steering = leap_masked(&s->leaps[2], s->steering, measurement->trailer_steering);
+    *accepted = *measurement;
+    accepted->speed = spike_filtered(&s->spikes[0], s->speed, measurement->speed);
+    accepted->tractor_steering = spike_filtered(&s->spikes[1], s->steering, measurement->tractor_steering);
+    accepted->trailer_steering = spike_filtered(&s->spikes[2], s->steering, measurement->trailer_steering);
 }
 
-/* Mask the fixes that are not to be believed. */
+/* Mask the fixes that were not accepted. */
 static inline void screening_accept(struct screening *s, const struct drawbar_measurement *measurement,
                                     struct screened *screened)
 {
-    const double told[] = {measurement->tractor_fix_deviation, measurement->trailer_fix_deviation};
-    struct drawbar_measurement *believed = &screened->measurement;
+    const double reported[] = {measurement->tractor_fix_deviation, measurement->trailer_fix_deviation};
+    struct drawbar_measurement *accepted = &screened->measurement;
 
     if (screened->fixes[0] != DRAWBAR_FIX_ACCEPTED)
-        believed->tractor_x = believed->tractor_y = (double)NAN;
+        accepted->tractor_x = accepted->tractor_y = (double)NAN;
     if (screened->fixes[1] != DRAWBAR_FIX_ACCEPTED)
-        believed->trailer_x = believed->trailer_y = (double)NAN;
+        accepted->trailer_x = accepted->trailer_y = (double)NAN;
     for (int i = 0; i < 2; ++i)
-        if (screened->fixes[i] == DRAWBAR_FIX_ACCEPTED && !(told[i] > COARSE * s->deviation)) {
+        if (screened->fixes[i] == DRAWBAR_FIX_ACCEPTED && !(reported[i] > COARSE * s->deviation)) {
             s->receivers[i].accepted = measurement->time;
             s->receivers[i].was_accepted = 1;
         }
 }
 
-/* Let both fixes count for as little as this sway of their masts leaves them, a variance in m2. */
-static inline void screening_weigh(const struct screening *s, double sway, struct drawbar_measurement *believed)
+/* Add the variance by sway of the masts (m2) to that of both fixes. */
+static inline void screening_weigh(const struct screening *s, double sway, struct drawbar_measurement *accepted)
 {
-    double *told[] = {&believed->tractor_fix_deviation, &believed->trailer_fix_deviation};
+    double *reported[] = {&accepted->tractor_fix_deviation, &accepted->trailer_fix_deviation};
 
     for (int i = 0; i < 2 && sway > 0.0; ++i) {
-        const double white = isnan(*told[i]) ? s->deviation : *told[i];
-        *told[i] = sqrt(white * white + sway);
+        const double white = isnan(*reported[i]) ? s->deviation : *reported[i];
+        *reported[i] = sqrt(white * white + sway);
     }
 }
 
-/* Mask what is not to be believed of a measurement, as the sensors report it, and say how little swaying fixes count.
+/* Screen a measurement, as the sensors report it: mask what is rejected, and add sway to the variance of the fixes.
  *
  * expected: x, y (m) of the tractor's antenna and of the trailer's where the estimator expects them at its time;
- * yaw_rate: of the tractor, as its wheels turn it then, rad/s; NaN: not known. */
+ * yaw_rate: of the tractor, by its wheels, rad/s; NaN: unknown. */
 static inline void screening_judge(struct screening *s, const struct drawbar_measurement *measurement,
                                    const double *expected, double yaw_rate, struct screened *screened)
 {
-    screening_leaps(s, measurement, &screened->measurement);
+    screening_spikes(s, measurement, &screened->measurement);
     const struct motion motion = {screened->measurement.speed, yaw_rate};
     const double fixes[] = {measurement->tractor_x, measurement->tractor_y, measurement->trailer_x,
                             measurement->trailer_y};
-    const double told[] = {measurement->tractor_fix_deviation, measurement->trailer_fix_deviation};
-    const int fine = !(fmax(told[0], told[1]) > COARSE * s->deviation);
-    const double error = antenna_length_error(fixes, expected), white = screening_white(s);
-    const double sway = s->single_growth > 0.0 ? 0.0 : sway_variance(&s->suspicion, white); /* untied antennas show none */
+    const double reported[] = {measurement->tractor_fix_deviation, measurement->trailer_fix_deviation};
+    const int fine = !(fmax(reported[0], reported[1]) > COARSE * s->deviation);
+    const double length_innovation = antenna_length_error(fixes, expected), white = screening_white(s);
+    const double sway = s->single_growth > 0.0 ? 0.0 : sway_variance(&s->suspicion, white); /* not observable without coupling */
     const int32_t before = s->suspicion.suspect;
     int outside[2];
 
     manoeuvre_update(&s->manoeuvre, &motion, s->settling);
     const int both = screening_receive(s, fixes, expected, screened->fixes) && fine;
-    screening_gate(s, measurement->time, fixes, expected, told, both, sqrt(white * white + sway), outside);
+    screening_gate(s, measurement->time, fixes, expected, reported, both, sqrt(white * white + sway), outside);
     const int rejected = screening_reject(s, outside, screened->fixes);
-    const int agreeing = both && screening_plausible(s, measurement->time, fixes, expected, error);
+    const int agreeing = both && screening_plausible(s, measurement->time, fixes, expected, length_innovation);
     screened->restart = trust_overruled(&s->trust, measurement->time, agreeing, rejected, s->patience);
     screened->exposed = s->suspicion.suspect != before && !screened->restart ? s->suspicion.suspect : NEITHER;
     if (screened->restart) {
         suspicion_forget(&s->suspicion);
         screened->fixes[0] = screened->fixes[1] = DRAWBAR_FIX_ACCEPTED;
     } else if (both && !rejected) {
-        screening_learn(s, error);
+        screening_learn(s, length_innovation);
     }
     screening_accept(s, measurement, screened);
     screening_weigh(s, sway, &screened->measurement);
 }
 
-/* Move both fixes along the line through the antennas by half of what their distance is wrong on average: nothing of the chain
- * explains wrong lengths, and an estimate that has to would bend the chain. Antennas that the model does not tie together
- * (single_growth) have no distance that is known. */
+/* Move both fixes along the line through the antennas by half of the mean error of their distance: no state explains wrong
+ * lengths, so the estimate would distort yaws and angles instead. Antennas that the model does not couple (single_growth) have
+ * no known distance. */
 static inline void screening_lengths(const struct screening *s, const double *expected, struct screened *screened)
 {
-    struct drawbar_measurement *believed = &screened->measurement;
+    struct drawbar_measurement *accepted = &screened->measurement;
     const double share = 0.5 * s->length_error / distance(expected, expected + 2);
     const double east = share * (expected[0] - expected[2]), north = share * (expected[1] - expected[3]);
 
     if (s->single_growth > 0.0)
         return;
-    believed->tractor_x -= east;
-    believed->tractor_y -= north;
-    believed->trailer_x += east;
-    believed->trailer_y += north;
+    accepted->tractor_x -= east;
+    accepted->tractor_y -= north;
+    accepted->trailer_x += east;
+    accepted->trailer_y += north;
 }
 
-/* Mask a hitch angle that is too far from the expected one, rad: chain and antennas know it as well. */
+/* Mask a hitch angle whose innovation is too large, rad: it also follows from chain and antennas. */
 static inline void screening_hitch(const struct screening *s, double expected, struct screened *screened)
 {
     if (!(fabs(wrapped(screened->measurement.hitch_angle - expected)) <= s->hitch))
         screened->measurement.hitch_angle = (double)NAN;
 }
 
-/* Let the estimate say what became of the fixes. */
+/* Write the statuses of the fixes into an estimate. */
 static inline void screened_mark(const struct screened *screened, struct drawbar_estimate *estimate)
 {
     estimate->tractor_fix = screened->fixes[0];

@@ -7,6 +7,9 @@ from pydantic import Field, model_validator
 
 from drawbar.settings import Angle, Horizon, NonNegative, NonNegativeAngle, Positive, PositiveAngle, Settings, Share
 
+DRIFT_TIME = 0.2
+"""time over which `drift` states process noise, s"""
+
 Method = Literal["moving_horizon", "extended_kalman"]
 """Over a window with bounds, or recursively with clipping to the bounds"""
 
@@ -49,7 +52,7 @@ class ScreeningSettings(Settings):
     shift: Positive = 2.3
     """mean disagreement of the antennas about where the vehicle is that makes one suspect, deviations"""
     release: Positive = 1.7
-    """mean disagreement below which a suspect is believed again, deviations"""
+    """mean difference below which a suspicion ends, standard deviations"""
     memory: Annotated[int, Field(ge=1)] = 5
     """samples over which the disagreement is averaged"""
     long_memory: Annotated[int, Field(ge=1)] = 100
@@ -71,7 +74,7 @@ class ScreeningSettings(Settings):
     repetition: Positive = 0.05
     """a fix that repeats exactly while the vehicle moved by more than this is stale, m"""
     patience: Positive = 1.0
-    """time for which both antennas must agree with each other against the estimate to be believed, and for which they
+    """time for which both antennas must agree with each other against the estimate to overrule it, and for which they
     must first have confirmed it: before that, two samples in a row are enough, s"""
 
     @model_validator(mode="after")
@@ -167,7 +170,7 @@ class ArticulatedPrior(Settings):
 
 
 class ArticulatedDrift(Settings):
-    """Process noise per sample, standard deviations."""
+    """Process noise over 0.2 s, standard deviations; over another sample time it grows with its square root."""
 
     position: NonNegative = 0.003
     """m"""
@@ -222,7 +225,7 @@ class ArticulatedEstimatorSettings(Settings):
     crab: PositiveAngle = 0.1
     """standard deviation with which each sample that lacks a fix takes both crab angles for zero, rad; with
     drift.crab and drift.slope it sets how soon an angle that nothing shows any more is forgotten: within some
-    crab / hypot(drift.crab, drift.slope) samples"""
+    crab / hypot(drift.crab, drift.slope) samples at 5 Hz"""
     first_slip: Positive = 0.9
     """first guess of mu and kappa"""
     first_yaw_error: Angle = 0.0

@@ -47,7 +47,7 @@ static void filter_constants(struct filter *work);
 static void transition(struct filter *work, int first, int count);
 static void output(struct filter *work, int first, int count);
 
-/* Let the covariance be the first one again. */
+/* Reset the covariance to the prior. */
 static void filter_forget(struct filter *filter)
 {
     memset(filter->R, 0, sizeof filter->R);
@@ -149,8 +149,8 @@ static int filter_update(struct filter *filter, const double *y)
 }
 
 /* Move state and covariance by one sample: the triangle of [R A'; N B'; g'; G] is R+, N the noise of the inputs, g the
- * process noise that all states share and G that of each. On failure the state stays, and the covariance is the first
- * one again. */
+ * process noise that all states share and G that of each. On failure the state stays, and the covariance is reset
+ * to the prior. */
 static int filter_predict(struct filter *filter)
 {
     double M[2 * NX + NU + 1][COLUMNS] = {{0.0}};

@@ -5,10 +5,10 @@
  * small for a single sample to show adds up (an exponentially weighted moving average, Roberts 1959). The antenna whose
  * own mean is larger is suspected, until the difference is small again.
  *
- * Errors that last for seconds do not average out, and no shift is to be suspected that they make. So the limits are at
- * least a multiple of what the differences usually are, ahead and to the left apart: what lasts to the left the estimate's
- * yaw takes up, what lasts ahead nothing. Until that is known, whatever the fixes' known deviation has beyond what changes
- * from sample to sample is taken to last.
+ * Errors that are correlated over seconds do not average out, and are no fault. So the limits are at least a multiple of the
+ * differences' root mean square, longitudinal and lateral separately: a lasting lateral difference is absorbed by the
+ * estimated yaw, a longitudinal one by nothing. The prior of that mean square is the part of the fixes' variance that is not
+ * white noise.
  */
 #ifndef DRAWBAR_SUSPICION_H
 #define DRAWBAR_SUSPICION_H
@@ -18,85 +18,85 @@
 #include "antennas.h"
 #include "geometry.h"
 
-#define USUAL 3.4                          /* usual differences of the means that arouse no suspicion */
-#define USUAL_MEMORY 300                   /* samples over which they are learned */
-#define USUAL_BEFORE 100.0                 /* samples that what is taken of them before counts for */
+#define BASELINE_FACTOR 3.4                /* root mean squares of the difference that a limit is at least */
+#define BASELINE_MEMORY 300                /* samples that the mean square covers at most */
+#define BASELINE_PRIOR 100.0               /* weight of its prior, in samples */
 
 enum antenna { NEITHER, TRACTOR_ANTENNA, TRAILER_ANTENNA };
 
 struct suspicion {
-    double means[4];                       /* of the offsets, m */
-    double usual[2];                       /* mean squares of the means' differences, ahead and to the left, m2 */
-    int32_t learned;                       /* samples in these */
+    double means[4];                       /* of the innovations, m */
+    double baseline[2];                    /* mean squares of the means' differences, longitudinal and lateral, m2 */
+    int32_t baseline_samples;              /* that they cover */
     int32_t suspect;                       /* enum antenna */
 };
 
-/* What one disagreement is measured by. */
+/* Limits of one sample's test. */
 struct suspicion_limits {
-    double most;                           /* no single coordinate counts more, m: what the gate lets pass */
-    double shift;                          /* difference of the means that arouses suspicion where less is usual, m */
-    double release;                        /* share of what arouses it below which it ends */
-    double lasting;                        /* variance of one coordinate of a fix that lasts, before it is known, m2 */
-    double room;                           /* by how much the gates have widened, m */
+    double gate;                           /* at which a single coordinate is clipped, m */
+    double shift;                          /* least limit of the difference of the means, m */
+    double release;                        /* share of the limit below which a suspicion ends (hysteresis) */
+    double lasting;                        /* prior variance of one coordinate's correlated error, m2 */
+    double widening;                       /* of the gates, m */
     int32_t memory;                        /* samples to average over */
 };
 
-static inline void suspicion_average(struct suspicion *suspicion, const double *offsets, double most, int32_t memory)
+static inline void suspicion_average(struct suspicion *suspicion, const double *innovations, double gate, int32_t memory)
 {
     for (int i = 0; i < 4; ++i)
-        suspicion->means[i] += (clamped(offsets[i], -most, most) - suspicion->means[i]) / memory;
+        suspicion->means[i] += (clamped(innovations[i], -gate, gate) - suspicion->means[i]) / memory;
 }
 
-static inline void suspicion_learn(struct suspicion *suspicion)
+static inline void suspicion_baseline(struct suspicion *suspicion)
 {
-    suspicion->learned += suspicion->learned < USUAL_MEMORY;
+    suspicion->baseline_samples += suspicion->baseline_samples < BASELINE_MEMORY;
     for (int i = 0; i < 2; ++i) {
-        const double apart = suspicion->means[i] - suspicion->means[i + 2];
-        suspicion->usual[i] += (apart * apart - suspicion->usual[i]) / suspicion->learned;
+        const double difference = suspicion->means[i] - suspicion->means[i + 2];
+        suspicion->baseline[i] += (difference * difference - suspicion->baseline[i]) / suspicion->baseline_samples;
     }
 }
 
-/* The difference of the means per what arouses suspicion. */
+/* The difference of the means per its limit. */
 static inline double suspicion_excess(const struct suspicion *suspicion, const struct suspicion_limits *limits)
 {
-    const double before[] = {2.0 * limits->lasting, 0.0};
+    const double prior[] = {2.0 * limits->lasting, 0.0};
     double excess[2];
 
     for (int i = 0; i < 2; ++i) {
-        const double square = (USUAL_BEFORE * before[i] + suspicion->learned * suspicion->usual[i])
-            / (USUAL_BEFORE + suspicion->learned);
-        const double limit = fmax(limits->shift, USUAL * sqrt(square)) + limits->room;
+        const double square = (BASELINE_PRIOR * prior[i] + suspicion->baseline_samples * suspicion->baseline[i])
+            / (BASELINE_PRIOR + suspicion->baseline_samples);
+        const double limit = fmax(limits->shift, BASELINE_FACTOR * sqrt(square)) + limits->widening;
         excess[i] = (suspicion->means[i] - suspicion->means[i + 2]) / limit;
     }
     return hypot(excess[0], excess[1]);
 }
 
-static inline int32_t further(const double *offsets)
+static inline int32_t further(const double *innovations)
 {
-    return hypot(offsets[0], offsets[1]) > hypot(offsets[2], offsets[3]) ? TRACTOR_ANTENNA : TRAILER_ANTENNA;
+    return hypot(innovations[0], innovations[1]) > hypot(innovations[2], innovations[3]) ? TRACTOR_ANTENNA : TRAILER_ANTENNA;
 }
 
-/* Take in one sample in which both receivers reported a fix: the offsets (4) of the fixes from their expectations, m,
- * and which (2) of them lie outside their gates. */
+/* Update with one sample in which both receivers reported a fix: the innovations (4) of the fixes, m, and which (2) of them
+ * lie outside their gates. */
 static inline void suspicion_update(struct suspicion *suspicion, const struct suspicion_limits *limits,
-                                    const double *offsets, const int *outside)
+                                    const double *innovations, const int *outside)
 {
-    suspicion_average(suspicion, offsets, limits->most, limits->memory);
-    const int sudden = outside[0] != outside[1]
-        || !(distance(offsets, offsets + 2) <= sqrt(2.0) * limits->most + limits->room);
+    suspicion_average(suspicion, innovations, limits->gate, limits->memory);
+    const int abrupt = outside[0] != outside[1]
+        || !(distance(innovations, innovations + 2) <= sqrt(2.0) * limits->gate + limits->widening);
     const double limit = suspicion->suspect == NEITHER ? 1.0 : limits->release;
-    if (!sudden && suspicion_excess(suspicion, limits) <= limit) {
+    if (!abrupt && suspicion_excess(suspicion, limits) <= limit) {
         suspicion->suspect = NEITHER;
-        suspicion_learn(suspicion);
+        suspicion_baseline(suspicion);
     } else if (suspicion->suspect == NEITHER) {
-        if (sudden)                        /* so that one sample back inside the gate does not clear it */
-            suspicion_average(suspicion, offsets, limits->most, 1);
+        if (abrupt)                        /* so that one sample back inside the gate does not clear it */
+            suspicion_average(suspicion, innovations, limits->gate, 1);
         suspicion->suspect = outside[0] ? TRACTOR_ANTENNA : outside[1] ? TRAILER_ANTENNA
-            : further(sudden ? offsets : suspicion->means);
+            : further(abrupt ? innovations : suspicion->means);
     }
 }
 
-/* Begin anew, with what is usual: a receiver reports nothing, and without two antennas there is no disagreement. */
+/* Restart the means, not the mean squares: without both fixes there is no difference. */
 static inline void suspicion_forget(struct suspicion *suspicion)
 {
     memset(suspicion->means, 0, sizeof suspicion->means);

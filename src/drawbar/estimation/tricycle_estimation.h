@@ -10,7 +10,7 @@ struct estimation_model {
     struct chain chain;
     double first_slip;                     /* first guess of mu, kappa and eta */
     double first_yaw_error;                /* added to the first guess of both yaws, rad */
-    /* newest measured angles, which no later output sees, rad */
+    /* newest measured angles, which are no states, rad */
     double tractor_steering, trailer_steering;
 };
 
@@ -41,7 +41,7 @@ static inline int model_at_rest(const struct estimation_model *model, const stru
 #include "first_guess.h"
 
 /* The measurement. A steering angle that is missing keeps its newest measured value: the angles are inputs, and a stage
- * whose inputs nobody holds can be anywhere. */
+ * whose inputs have no weight is not determined. */
 static inline void model_outputs(const struct estimation_model *model, const struct drawbar_measurement *measurement,
                                  double *y)
 {
@@ -70,16 +70,16 @@ static inline void model_antennas(const struct estimation_model *model, const do
                     antennas + 2);
 }
 
-/* How fast the wheels turn the tractor: not known, since the steering angle is an input of this model. */
+/* The tractor's yaw rate by its wheels: unknown, since the steering angle is an input of this model. */
 static inline double model_yaw_rate(const struct estimation_model *model, const double *state)
 {
     (void)model, (void)state;
     return (double)NAN;
 }
 
-/* A command tells nothing: the steering angles are inputs, and measured. */
-static inline void model_told_outputs(const struct estimation_model *model, const double *state,
-                                      const struct drawbar_command *command, double *y)
+/* A command implies nothing: the steering angles are inputs, and measured. */
+static inline void model_commanded_outputs(const struct estimation_model *model, const double *state,
+                                           const struct drawbar_command *command, double *y)
 {
     (void)model, (void)state, (void)command, (void)y;
 }
@@ -89,14 +89,13 @@ static inline void model_actuation(struct estimation_model *model, const struct 
     (void)model, (void)known;
 }
 
-static inline void model_told_inputs(const struct estimation_model *model, const double *state,
-                                     const struct drawbar_command *command, double *u)
+static inline void model_commanded_inputs(const struct estimation_model *model, const double *state,
+                                          const struct drawbar_command *command, double *u)
 {
     (void)model, (void)state, (void)command, (void)u;
 }
 
-/* The estimate that a state stands for; the steering angles are the newest measured ones. Of the fixes it knows
- * nothing. */
+/* The estimate of a state; the steering angles are the newest measured ones. The statuses of the fixes are left out. */
 static inline void model_estimate(struct estimation_model *model, const double *state,
                                   const struct drawbar_measurement *measurement, int status,
                                   struct drawbar_estimate *estimate)
@@ -120,16 +119,16 @@ static inline void model_estimate(struct estimation_model *model, const double *
     };
 }
 
-/* Nothing is learned besides the state. */
+/* Nothing is identified besides the state. */
 static inline void model_begin(struct estimation_model *model, double *constants)
 {
     (void)model, (void)constants;
 }
 
-static inline int model_learn(struct estimation_model *model, const double *state, const struct drawbar_measurement *stands,
+static inline int model_learn(struct estimation_model *model, const double *state, const struct drawbar_measurement *attitudes,
                               double *constants, double *shift)
 {
-    (void)model, (void)state, (void)stands, (void)constants, (void)shift;
+    (void)model, (void)state, (void)attitudes, (void)constants, (void)shift;
     return 0;
 }
 

@@ -1,8 +1,8 @@
-/* Trust in two antennas: when they are to be believed more than the estimate.
+/* Trust in two antennas: when their fixes overrule the estimate.
  *
- * Two antennas that agree with each other cannot be locked out by an estimate that is wrong. An estimate that both have
- * confirmed for some time is overruled by both only: then it was moved by more than it can know (a new base station, a
- * tow). Before that one suffices, twice in a row: its yaw, say, was wrong from the start.
+ * Two antennas that agree with each other cannot be locked out by a wrong estimate. An estimate that both have confirmed for
+ * some time is overruled by both only: then the positions have shifted without a measured motion (a new base station, a tow).
+ * Before that one rejected fix suffices, twice in a row: the first yaw, for one, may have been wrong.
  */
 #ifndef DRAWBAR_TRUST_H
 #define DRAWBAR_TRUST_H
@@ -23,7 +23,7 @@ struct trust {
     int32_t earned;                        /* both antennas have confirmed the estimate for long enough */
 };
 
-/* Take in whether something holds at this time; returns whether it has for as long as that (s). */
+/* Update with whether a condition holds at this time; returns whether it has for the patience (s). */
 static inline int lasts(struct lasting *lasting, double time, int holds, double patience)
 {
     if (!lasting->holds || !isfinite(lasting->since))
@@ -32,10 +32,10 @@ static inline int lasts(struct lasting *lasting, double time, int holds, double 
     return holds && time - lasting->since >= patience;
 }
 
-/* Has the estimate been contradicted for long enough: for the patience (s) where it has earned trust, else twice in a
- * row? It then has to earn its trust anew.
+/* Whether the estimate has been contradicted for long enough: for the patience (s) where it has earned trust, else twice in a
+ * row. Its trust is reset then.
  *
- * agreeing: both antennas have a fix, as far from each other as they should be; rejected: how many of the two are. */
+ * agreeing: both antennas have a fix, at the right distance from each other; rejected: how many of the two are. */
 static inline int trust_overruled(struct trust *trust, double time, int agreeing, int rejected, double patience)
 {
     const int contradicted = agreeing && rejected > (trust->earned ? 1 : 0);

@@ -9,7 +9,7 @@
 #include "yaw_sensor.h"
 #include "yaws_at_rest.h"
 
-#define SHOWS_YAW 0.1                      /* deviation beyond which fixes show no yaw, m */
+#define COARSE_REFERENCE 0.1               /* standard deviation of fixes beyond which there is no reference, m */
 
 /* The tractor's yaw rate by an estimate, rad/s. */
 static inline double wheels_yaw_rate(const struct chain *chain, const struct drawbar_estimate *estimate)
@@ -17,10 +17,10 @@ static inline double wheels_yaw_rate(const struct chain *chain, const struct dra
     return tractor_yaw_rate(estimate, estimate->longitudinal_slip * estimate->speed, chain->wheelbase);
 }
 
-/* The tractor's yaw as fixes and angles show it, rad; NaN where one of them is missing or coarse. */
+/* The tractor's yaw by fixes and angles, rad; NaN where one of them is missing or coarse. */
 static inline double yaw_of_fixes(const struct chain *chain, const struct drawbar_measurement *m)
 {
-    const int coarse = fmax(m->tractor_fix_deviation, m->trailer_fix_deviation) > SHOWS_YAW;
+    const int coarse = fmax(m->tractor_fix_deviation, m->trailer_fix_deviation) > COARSE_REFERENCE;
     double tractor, trailer;
 
     if (coarse || !isfinite(m->hitch_angle + m->trailer_steering)
@@ -36,32 +36,32 @@ static inline double line_direction(const struct drawbar_estimate *estimate)
     return atan2(tractor->y - trailer->y, tractor->x - trailer->x);
 }
 
-/* Bring the tractor's yaw up to now, without its mounting's error, in place; NaN where it is not to be believed. */
+/* Bring the tractor's yaw up to now, without its mounting's error, in place; NaN where it is rejected. */
 static inline void align_yaw(struct yaw_sensor *sensor, const struct chain *chain, const struct since *since,
                              struct drawbar_measurement *m)
 {
     const double last = since->last->tractor.yaw, now = since->expected->tractor.yaw;
-    const double told = brought_up(since, m->tractor_yaw, m->tractor_attitude_age, last, now);
+    const double measured = brought_up(since, m->tractor_yaw, m->tractor_attitude_age, last, now);
 
-    m->tractor_yaw = yaw_believed(sensor, told, now, yaw_of_fixes(chain, m));
+    m->tractor_yaw = yaw_judged(sensor, measured, now, yaw_of_fixes(chain, m));
 }
 
-/* Bring the tractor's yaw rate up to now, without the sensor's bias, in place; NaN where it is not to be believed. */
+/* Bring the tractor's yaw rate up to now, without the sensor's errors, in place; NaN where it is excluded. */
 static inline void align_yaw_rate(struct yaw_rate_sensor *sensor, struct rate_history *rates, const struct chain *chain,
                                   const struct since *since, struct drawbar_measurement *m)
 {
     const double now = wheels_yaw_rate(chain, since->expected);
     const double age = m->tractor_attitude_age - fmin(sensor->latency, 0.0);
 
-    if (!sensor->begun)
+    if (!sensor->initialised)
         rate_history_begin(rates, now);
-    const double told = age > OLDEST
+    const double measured = age > OLDEST
         ? (double)NAN : rate_history_brought_up(rates, m->tractor_yaw_rate, age, since->elapsed, now);
-    rate_history_take(rates, now);
+    rate_history_record(rates, now);
     const double turned = wrapped(line_direction(since->expected) - line_direction(since->last));
-    const struct shown_yaw shown = {yaw_of_fixes(chain, m), since->elapsed > 0.0 ? turned / since->elapsed : 0.0};
+    const struct yaw_reference reference = {yaw_of_fixes(chain, m), since->elapsed > 0.0 ? turned / since->elapsed : 0.0};
 
-    m->tractor_yaw_rate = yaw_rate_believed(sensor, told, now, &shown, since->elapsed);
+    m->tractor_yaw_rate = yaw_rate_judged(sensor, measured, now, &reference, since->elapsed);
 }
 
 #endif

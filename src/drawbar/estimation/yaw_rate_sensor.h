@@ -1,12 +1,12 @@
-/* Yaw-rate sensor of the tractor: the sensor's bias and the error of its scale are found and taken off, the latency of
- * fixes or sensor that nobody tells is found, and a sensor that contradicts the antennas or the wheels is not believed.
+/* Yaw-rate sensor of the tractor: bias and scale error of the sensor and the unreported latency of fixes or sensor are
+ * estimated and corrected, and a sensor that contradicts the antennas or the wheels is excluded.
  *
- * Antennas and angles show the tractor's yaw by themselves. How far the integral of the sensor's yaw rate runs ahead of
- * that yaw grows with the bias, and in curves with the error of the scale. Where fixes are late, that yaw lags by the turn
- * that the line through both antennas makes during the latency: one way in a curve to the left, the other way in one to
- * the right. Where the sensor is late, the yaw is ahead. A Kalman filter tells these errors from each other
- * (docs/theory/identification.md). The sensor is used once the bias is known and its yaw rate has agreed with that of the
- * wheels for a while. Where the integral departs from the yaw, the sensor is dropped and the filter begins anew.
+ * Antennas and angles give a reference for the tractor's yaw. The lead of the sensor's integral over that reference grows with
+ * the bias, and in curves with the scale error. Where fixes are late, the reference lags by the turn that the line through both
+ * antennas makes during the latency, in opposite directions in curves to the left and to the right; where the sensor is late,
+ * the reference leads. A Kalman filter separates these errors (docs/theory/identification.md). The sensor is used once the
+ * variance of the bias is small and its yaw rate has agreed with that of the wheels for a while. Where the innovations grow too
+ * large, the sensor is excluded and the filter restarts.
  */
 #ifndef DRAWBAR_YAW_RATE_SENSOR_H
 #define DRAWBAR_YAW_RATE_SENSOR_H
@@ -16,198 +16,199 @@
 #include "geometry.h"
 
 #define DEGREE (DRAWBAR_PI / 180.0)
-#define FIRST_BIAS (2.0 * DEGREE)          /* its deviation before anything is known, rad/s */
-#define MOST_BIAS (3.0 * FIRST_BIAS)
-#define BIAS_KNOWN (0.4 * DEGREE)          /* deviation from which on the sensor is used, rad/s */
-#define BIAS_WALK (0.005 * DEGREE)         /* by which it changes, rad/s per square root of a second */
-#define YAW_NOISE (1.5 * DEGREE)           /* of one yaw that antennas and angles show, rad */
-#define FIRST_LEAD (2.0 * DEGREE)          /* deviation of the integral's first lead, rad */
-#define LEAD_WALK (0.2 * DEGREE)           /* by which the lead changes beside the bias, rad per square root of a second */
-#define MOST_LEAD (3.0 * DEGREE)           /* a root mean square of unexpected lead that contradicts, rad */
-#define LEAP_RATE (12.0 * DEGREE)          /* change from one sample to the next that no vehicle makes, rad/s */
-#define LEAP (6.0 * DEGREE)                /* an unexpected lead that does by itself, twice in a row, rad */
-#define OBSERVED 1.0                       /* time constant of that mean, s */
-#define ALIKE 30.0                         /* time over which the sensor is compared with the wheels, s */
-#define TURNED 27.0                        /* what the vehicle has turned in that time before it says anything, deg^2 / s */
-#define UNLIKE 0.35                        /* by so much more or less than the wheels the sensor may say */
-#define LATELY 5.0                         /* time constant of its mean difference from the wheels, s */
-#define SUDDEN 3.0                         /* times its usual deviation from that mean by which it may deviate, */
-#define LEAST_SUDDEN (3.0 * DEGREE)        /* and by so much always, rad/s */
-#define TOO_OFTEN 0.9                      /* for so long it may have deviated LATELY, s */
-#define PATIENCE 60.0                      /* for how long nothing is believed afterwards, s */
-#define FIRST_SCALE 0.03                   /* deviation of the share of what it says that is too much */
-#define MOST_SCALE (3.0 * FIRST_SCALE)
-#define FIRST_LATENCY 0.1                  /* deviation of the fixes' latency before anything is known, s */
-#define LATENCY_WALK 0.002                 /* by which it changes, s per square root of a second */
-#define MOST_LATENCY 0.25                  /* that is reckoned with, s */
-#define LATENCY_RATE 0.02                  /* by which what is reckoned with changes, s/s: positions must not jump */
+#define BIAS_PRIOR (2.0 * DEGREE)          /* its prior standard deviation, rad/s */
+#define MOST_BIAS (3.0 * BIAS_PRIOR)
+#define BIAS_KNOWN (0.4 * DEGREE)          /* standard deviation below which the sensor is used, rad/s */
+#define BIAS_WALK (0.005 * DEGREE)         /* its random walk, rad/s per square root of a second */
+#define YAW_NOISE (1.5 * DEGREE)           /* standard deviation of one reference, rad */
+#define LEAD_PRIOR (2.0 * DEGREE)          /* prior standard deviation of the integral's lead, rad */
+#define LEAD_WALK (0.2 * DEGREE)           /* its random walk beside the bias, rad per square root of a second */
+#define MOST_LEAD (3.0 * DEGREE)           /* root mean square of the innovations beyond which the sensor is excluded, rad */
+#define JUMP_RATE (12.0 * DEGREE)          /* change between samples that no vehicle makes, rad/s */
+#define JUMP (6.0 * DEGREE)                /* an innovation that excludes the sensor when it occurs twice in a row, rad */
+#define INNOVATION_TIME 1.0                /* time constant of that mean square, s */
+#define COMPARISON_TIME 30.0               /* time constant of the comparison with the wheels, s */
+#define LEAST_TURNED 27.0                  /* integral of the squared yaw rate that the comparison needs, deg^2 / s */
+#define SCALE_TOLERANCE 0.35               /* largest relative difference of the sensor from the wheels */
+#define DIFFERENCE_TIME 5.0                /* time constant of its mean difference from the wheels, s */
+#define DEVIATION_FACTOR 3.0               /* standard deviations of that difference which are no deviation, */
+#define LEAST_DEVIATION (3.0 * DEGREE)     /* and their least value, rad/s */
+#define LONGEST_DEVIATION 0.9              /* duration of deviations, faded by that time constant, that excludes the sensor, s */
+#define EXCLUSION_TIME 60.0                /* for how long it then stays excluded, s */
+#define SCALE_PRIOR 0.03                   /* prior standard deviation of the scale error */
+#define MOST_SCALE (3.0 * SCALE_PRIOR)
+#define LATENCY_PRIOR 0.1                  /* prior standard deviation of the fixes' latency, s */
+#define LATENCY_WALK 0.002                 /* its random walk, s per square root of a second */
+#define MOST_LATENCY 0.25                  /* limit of the correction, s */
+#define LATENCY_RATE 0.02                  /* rate of the correction, s/s: positions must not jump */
 
-enum { BIAS, LEAD, LATENCY, SCALE, FOUND };
+enum { BIAS, LEAD, LATENCY, SCALE, YAW_RATE_STATES };
 
-/* The tractor's yaw as antennas and angles show it, rad, NaN: they do not; how fast the line through both antennas turns,
- * rad/s. */
-struct shown_yaw {
+/* The tractor's yaw by antennas and angles, rad, NaN: unknown; how fast the line through both antennas turns, rad/s. */
+struct yaw_reference {
     double yaw, turning;
 };
 
 struct yaw_rate_sensor {
-    double found[FOUND];                   /* bias, rad/s; how far the integral is ahead, rad; by how much the fixes are
-                                              later than the sensor, s; share of what the sensor says that is too much */
-    double covariance[FOUND][FOUND];
-    double latency;                        /* that is reckoned with, s; below zero: the sensor is late */
+    double state[YAW_RATE_STATES];         /* bias, rad/s; lead of the integral, rad; latency of the fixes beyond the
+                                              sensor's, s; relative scale error */
+    double covariance[YAW_RATE_STATES][YAW_RATE_STATES];
+    double latency;                        /* corrected for, s; below zero: of the sensor */
     double integral;                       /* rad */
-    double before;                         /* last sample's yaw rate, rad/s */
-    double unexpected;                     /* mean square of the lead beyond what was expected */
-    double square, product;                /* of the wheels' yaw rate, and with the sensor's, rad^2 / s */
-    double usual;                          /* mean difference from the wheels, rad/s */
-    double watched;                        /* over which the next is a mean, s */
-    double apart;                          /* mean square of the difference from that, rad^2 / s^2 */
-    double suddens;                        /* for how long it was sudden lately, s */
-    double doubted;                        /* for how much longer nothing is believed, s */
-    int32_t begun, follows;                /* is there anything; is there an integral? */
-    int32_t sudden, leaps;                 /* was the newest yaw rate sudden; how many leads in a row were LEAPs? */
+    double last;                           /* yaw rate of the last sample, rad/s */
+    double innovation_variance;            /* mean square of the innovations, rad^2 */
+    double wheels_square, cross_product;   /* integrals: of the wheels' yaw rate squared, and times the sensor's, rad^2 / s */
+    double mean_difference;                /* from the wheels, rad/s */
+    double difference_time;                /* that the variance covers so far, s */
+    double difference_variance;            /* about that mean, rad^2 / s^2 */
+    double deviating_time;                 /* faded sum of the samples that deviated, s */
+    double exclusion;                      /* remaining time of an exclusion, s */
+    int32_t initialised, integrates;       /* integrates: there is an integral */
+    int32_t deviates, jumps;               /* whether the newest deviated; number of JUMPs in a row */
 };
 
-/* Begin to know the sensor; nothing is believed for a while (s). */
-static inline void yaw_rate_begin(struct yaw_rate_sensor *sensor, double doubted)
+/* Reset the filter; the sensor is excluded for a while (s). */
+static inline void yaw_rate_begin(struct yaw_rate_sensor *sensor, double exclusion)
 {
-    *sensor = (struct yaw_rate_sensor){.latency = sensor->latency, .doubted = doubted, .begun = 1};
-    sensor->covariance[BIAS][BIAS] = FIRST_BIAS * FIRST_BIAS;
-    sensor->covariance[LATENCY][LATENCY] = FIRST_LATENCY * FIRST_LATENCY;
-    sensor->covariance[SCALE][SCALE] = FIRST_SCALE * FIRST_SCALE;
+    *sensor = (struct yaw_rate_sensor){.latency = sensor->latency, .exclusion = exclusion, .initialised = 1};
+    sensor->covariance[BIAS][BIAS] = BIAS_PRIOR * BIAS_PRIOR;
+    sensor->covariance[LATENCY][LATENCY] = LATENCY_PRIOR * LATENCY_PRIOR;
+    sensor->covariance[SCALE][SCALE] = SCALE_PRIOR * SCALE_PRIOR;
 }
 
-/* Begin the integral anew, from a shown yaw: in a curve it is as far behind as that is late. */
-static inline void yaw_rate_follow(struct yaw_rate_sensor *sensor, const struct shown_yaw *shown)
+/* Restart the integral from a reference: in a curve that lags by its latency. */
+static inline void yaw_rate_restart_integral(struct yaw_rate_sensor *sensor, const struct yaw_reference *reference)
 {
-    const double turning = shown->turning;
+    const double turning = reference->turning;
 
-    sensor->integral = shown->yaw;
-    sensor->found[LEAD] = turning * (sensor->latency - sensor->found[LATENCY]);
-    sensor->unexpected = 0.0;
-    sensor->leaps = 0;
-    for (int i = 0; i < FOUND; ++i)
+    sensor->integral = reference->yaw;
+    sensor->state[LEAD] = turning * (sensor->latency - sensor->state[LATENCY]);
+    sensor->innovation_variance = 0.0;
+    sensor->jumps = 0;
+    for (int i = 0; i < YAW_RATE_STATES; ++i)
         sensor->covariance[LEAD][i] = -turning * sensor->covariance[LATENCY][i];
-    for (int i = 0; i < FOUND; ++i)
+    for (int i = 0; i < YAW_RATE_STATES; ++i)
         sensor->covariance[i][LEAD] = -turning * sensor->covariance[i][LATENCY];
-    sensor->covariance[LEAD][LEAD] += FIRST_LEAD * FIRST_LEAD;
-    sensor->follows = 1;
+    sensor->covariance[LEAD][LEAD] += LEAD_PRIOR * LEAD_PRIOR;
+    sensor->integrates = 1;
 }
 
-/* Let the integral go on by a yaw rate (rad/s). */
-static inline void yaw_rate_integrate(struct yaw_rate_sensor *sensor, double told, double elapsed)
+/* Propagate by a yaw rate (rad/s). */
+static inline void yaw_rate_integrate(struct yaw_rate_sensor *sensor, double measured, double elapsed)
 {
-    const double turned = 0.5 * (told + sensor->before) * elapsed;
+    const double turned = 0.5 * (measured + sensor->last) * elapsed;
 
     sensor->integral += turned;
-    sensor->found[LEAD] += elapsed * sensor->found[BIAS] + turned * sensor->found[SCALE];
-    for (int i = 0; i < FOUND; ++i)
+    sensor->state[LEAD] += elapsed * sensor->state[BIAS] + turned * sensor->state[SCALE];
+    for (int i = 0; i < YAW_RATE_STATES; ++i)
         sensor->covariance[LEAD][i] += elapsed * sensor->covariance[BIAS][i] + turned * sensor->covariance[SCALE][i];
-    for (int i = 0; i < FOUND; ++i)
+    for (int i = 0; i < YAW_RATE_STATES; ++i)
         sensor->covariance[i][LEAD] += elapsed * sensor->covariance[i][BIAS] + turned * sensor->covariance[i][SCALE];
     sensor->covariance[BIAS][BIAS] += elapsed * BIAS_WALK * BIAS_WALK;
     sensor->covariance[LEAD][LEAD] += elapsed * LEAD_WALK * LEAD_WALK;
     sensor->covariance[LATENCY][LATENCY] += elapsed * LATENCY_WALK * LATENCY_WALK;
 }
 
-/* Compare the integral with a shown yaw; of a leap nothing is learned. */
-static inline void yaw_rate_compare(struct yaw_rate_sensor *sensor, const struct shown_yaw *shown, double share)
+/* Update with a reference; a jump is not used. */
+static inline void yaw_rate_compare(struct yaw_rate_sensor *sensor, const struct yaw_reference *reference, double share)
 {
-    const double late = (sensor->found[LATENCY] - sensor->latency) * shown->turning;
-    const double beyond = wrapped(sensor->integral - shown->yaw - sensor->found[LEAD] - late);
-    double across[FOUND], variance = YAW_NOISE * YAW_NOISE;
+    const double delayed = (sensor->state[LATENCY] - sensor->latency) * reference->turning;
+    const double innovation = wrapped(sensor->integral - reference->yaw - sensor->state[LEAD] - delayed);
+    double cross[YAW_RATE_STATES], variance = YAW_NOISE * YAW_NOISE;
 
-    sensor->leaps = fabs(beyond) > LEAP ? sensor->leaps + 1 : 0;
-    if (sensor->leaps)
+    sensor->jumps = fabs(innovation) > JUMP ? sensor->jumps + 1 : 0;
+    if (sensor->jumps)
         return;
-    for (int i = 0; i < FOUND; ++i)
-        across[i] = sensor->covariance[i][LEAD] + shown->turning * sensor->covariance[i][LATENCY];
-    variance += across[LEAD] + shown->turning * across[LATENCY];
-    sensor->unexpected += share * (beyond * beyond - sensor->unexpected);
-    for (int i = 0; i < FOUND; ++i) {
-        sensor->found[i] += across[i] / variance * beyond;
-        for (int j = 0; j < FOUND; ++j)
-            sensor->covariance[i][j] -= across[i] * across[j] / variance;
+    for (int i = 0; i < YAW_RATE_STATES; ++i)
+        cross[i] = sensor->covariance[i][LEAD] + reference->turning * sensor->covariance[i][LATENCY];
+    variance += cross[LEAD] + reference->turning * cross[LATENCY];
+    sensor->innovation_variance += share * (innovation * innovation - sensor->innovation_variance);
+    for (int i = 0; i < YAW_RATE_STATES; ++i) {
+        sensor->state[i] += cross[i] / variance * innovation;
+        for (int j = 0; j < YAW_RATE_STATES; ++j)
+            sensor->covariance[i][j] -= cross[i] * cross[j] / variance;
     }
-    sensor->found[BIAS] = clipped(sensor->found[BIAS], MOST_BIAS);
-    sensor->found[SCALE] = clipped(sensor->found[SCALE], MOST_SCALE);
+    sensor->state[BIAS] = clipped(sensor->state[BIAS], MOST_BIAS);
+    sensor->state[SCALE] = clipped(sensor->state[SCALE], MOST_SCALE);
 }
 
-/* Reckon with the latency that is surely there. */
-static inline void yaw_rate_reckon(struct yaw_rate_sensor *sensor, double elapsed)
+/* Move the corrected latency towards the estimate less its standard deviation. */
+static inline void yaw_rate_apply_latency(struct yaw_rate_sensor *sensor, double elapsed)
 {
-    const double found = sensor->found[LATENCY];
-    const double sure = found - clipped(found, sqrt(sensor->covariance[LATENCY][LATENCY]));
+    const double state = sensor->state[LATENCY];
+    const double significant = state - clipped(state, sqrt(sensor->covariance[LATENCY][LATENCY]));
 
-    sensor->latency += clipped(clipped(sure, MOST_LATENCY) - sensor->latency, LATENCY_RATE * elapsed);
+    sensor->latency += clipped(clipped(significant, MOST_LATENCY) - sensor->latency, LATENCY_RATE * elapsed);
 }
 
-/* Does the sensor say what the wheels say, as far as the vehicle has turned? */
-static inline int yaw_rate_alike(struct yaw_rate_sensor *sensor, double told, double wheels, double elapsed)
+/* Whether the sensor agrees with the wheels, judged once the vehicle has turned enough. */
+static inline int yaw_rate_agrees(struct yaw_rate_sensor *sensor, double measured, double wheels, double elapsed)
 {
-    const double kept = exp(-elapsed / ALIKE);
+    const double kept = exp(-elapsed / COMPARISON_TIME);
 
-    sensor->square = kept * sensor->square + elapsed * wheels * wheels;
-    sensor->product = kept * sensor->product + elapsed * wheels * told;
-    return sensor->square > TURNED * DEGREE * DEGREE && fabs(sensor->product / sensor->square - 1.0) < UNLIKE;
+    sensor->wheels_square = kept * sensor->wheels_square + elapsed * wheels * wheels;
+    sensor->cross_product = kept * sensor->cross_product + elapsed * wheels * measured;
+    return sensor->wheels_square > LEAST_TURNED * DEGREE * DEGREE
+        && fabs(sensor->cross_product / sensor->wheels_square - 1.0) < SCALE_TOLERANCE;
 }
 
-/* Does the difference from the wheels deviate from its mean as it never does? That of a sensor that turns round in a curve,
- * jumps or becomes noisy does, and would bend the estimate before the integral shows it. */
-static inline int yaw_rate_sudden(struct yaw_rate_sensor *sensor, double difference, double elapsed)
+/* Whether the difference from the wheels deviates from its mean by more than its variance explains, as where a sensor changes
+ * its sign in a curve, jumps or becomes noisy: the integral would show that later. */
+static inline int yaw_rate_deviates(struct yaw_rate_sensor *sensor, double difference, double elapsed)
 {
-    const double limit = fmax(LEAST_SUDDEN, SUDDEN * sqrt(sensor->apart));
-    const double changed = difference - sensor->usual, counted = clipped(changed, limit);
-    const int sudden = fabs(changed) > limit;
+    const double limit = fmax(LEAST_DEVIATION, DEVIATION_FACTOR * sqrt(sensor->difference_variance));
+    const double changed = difference - sensor->mean_difference, counted = clipped(changed, limit);
+    const int deviates = fabs(changed) > limit;
 
-    sensor->usual -= expm1(-elapsed / LATELY) * counted;
-    sensor->suddens = exp(-elapsed / LATELY) * sensor->suddens + sudden * elapsed;
-    sensor->watched = fmin(sensor->watched + elapsed, ALIKE);
-    sensor->apart += fmin(elapsed / sensor->watched, 1.0) * (counted * counted - sensor->apart);
-    return sudden;
+    sensor->mean_difference -= expm1(-elapsed / DIFFERENCE_TIME) * counted;
+    sensor->deviating_time = exp(-elapsed / DIFFERENCE_TIME) * sensor->deviating_time + deviates * elapsed;
+    sensor->difference_time = fmin(sensor->difference_time + elapsed, COMPARISON_TIME);
+    sensor->difference_variance += fmin(elapsed / sensor->difference_time, 1.0)
+        * (counted * counted - sensor->difference_variance);
+    return deviates;
 }
 
-/* What the sensor says without its errors, rad/s. */
-static inline double yaw_rate_right(const struct yaw_rate_sensor *sensor, double told)
+/* A measured yaw rate without the estimated errors, rad/s. */
+static inline double yaw_rate_corrected(const struct yaw_rate_sensor *sensor, double measured)
 {
-    return told - sensor->found[SCALE] * told - sensor->found[BIAS];
+    return measured - sensor->state[SCALE] * measured - sensor->state[BIAS];
 }
 
-/* Return the yaw rate to be believed, rad/s; NaN: none.
+/* The corrected yaw rate, rad/s; NaN: excluded or unknown.
  *
- * told: by the sensor, rad/s; wheels: by the wheels, rad/s; shown: by antennas and angles; elapsed: since the last call, s. */
-static inline double yaw_rate_believed(struct yaw_rate_sensor *sensor, double told, double wheels,
-                                       const struct shown_yaw *shown, double elapsed)
+ * measured: by the sensor, rad/s; wheels: by the wheels, rad/s; elapsed: since the last call, s. */
+static inline double yaw_rate_judged(struct yaw_rate_sensor *sensor, double measured, double wheels,
+                                     const struct yaw_reference *reference, double elapsed)
 {
-    const double share = -expm1(-fmax(elapsed, 0.0) / OBSERVED);
+    const double share = -expm1(-fmax(elapsed, 0.0) / INNOVATION_TIME);
 
-    if (!sensor->begun)
+    if (!sensor->initialised)
         yaw_rate_begin(sensor, 0.0);
-    sensor->doubted = fmax(sensor->doubted - fmax(elapsed, 0.0), 0.0);
-    if (!isfinite(told + wheels) || !(elapsed > 0.0)) {
-        sensor->follows = 0;
+    sensor->exclusion = fmax(sensor->exclusion - fmax(elapsed, 0.0), 0.0);
+    if (!isfinite(measured + wheels) || !(elapsed > 0.0)) {
+        sensor->integrates = 0;
         return (double)NAN;
     }
-    const int sudden = yaw_rate_sudden(sensor, yaw_rate_right(sensor, told) - wheels, elapsed);
-    if (sudden && !sensor->sudden && sensor->follows && fabs(told - sensor->before) > LEAP_RATE)
-        told = sensor->before;             /* a single false one would spoil the integral */
-    sensor->sudden = sudden;
-    if (sensor->follows)
-        yaw_rate_integrate(sensor, told, elapsed);
-    sensor->before = told;
-    if (isfinite(shown->yaw) && !sensor->follows)
-        yaw_rate_follow(sensor, shown);
-    else if (isfinite(shown->yaw))
-        yaw_rate_compare(sensor, shown, share);
-    if (sensor->unexpected > MOST_LEAD * MOST_LEAD || sensor->leaps > 1 || sensor->suddens > TOO_OFTEN)
-        yaw_rate_begin(sensor, PATIENCE);
-    const double right = yaw_rate_right(sensor, told);
+    const int deviates = yaw_rate_deviates(sensor, yaw_rate_corrected(sensor, measured) - wheels, elapsed);
+    if (deviates && !sensor->deviates && sensor->integrates && fabs(measured - sensor->last) > JUMP_RATE)
+        measured = sensor->last;           /* an outlier must not enter the integral */
+    sensor->deviates = deviates;
+    if (sensor->integrates)
+        yaw_rate_integrate(sensor, measured, elapsed);
+    sensor->last = measured;
+    if (isfinite(reference->yaw) && !sensor->integrates)
+        yaw_rate_restart_integral(sensor, reference);
+    else if (isfinite(reference->yaw))
+        yaw_rate_compare(sensor, reference, share);
+    if (sensor->innovation_variance > MOST_LEAD * MOST_LEAD || sensor->jumps > 1 || sensor->deviating_time > LONGEST_DEVIATION)
+        yaw_rate_begin(sensor, EXCLUSION_TIME);
+    const double corrected = yaw_rate_corrected(sensor, measured);
     const int known = sensor->covariance[BIAS][BIAS] < BIAS_KNOWN * BIAS_KNOWN;
-    const int alike = known && yaw_rate_alike(sensor, right, wheels, elapsed);
-    if (!alike || sudden || sensor->doubted > 0.0)
+    const int agrees = known && yaw_rate_agrees(sensor, corrected, wheels, elapsed);
+    if (!agrees || deviates || sensor->exclusion > 0.0)
         return (double)NAN;
-    yaw_rate_reckon(sensor, elapsed);
-    return right;
+    yaw_rate_apply_latency(sensor, elapsed);
+    return corrected;
 }
 
 #endif

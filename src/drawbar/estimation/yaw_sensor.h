@@ -1,9 +1,8 @@
-/* Yaw sensor: two antennas on the tractor, which tell where it faces.
+/* Yaw sensor: two antennas on the tractor, which measure its yaw.
  *
- * The line of the antennas is never quite the one that was configured. Where fixes of both bodies and the angles between
- * them show the yaw too, how far it is off on average is found and taken off; where the tractor has the only receiver
- * nothing shows it, and the estimated side-slip takes it up. A yaw that is far from what is expected, as one of wrong
- * ambiguities is, is not believed.
+ * The mounting of the antennas differs from the configured one. Where fixes of both bodies and the angles between them give a
+ * reference for the yaw, the mean difference is the mounting's error and is corrected; where the tractor has the only receiver
+ * it is not observable, and the estimated side-slip absorbs it. A yaw outside its gate, as with wrong ambiguities, is rejected.
  */
 #ifndef DRAWBAR_YAW_SENSOR_H
 #define DRAWBAR_YAW_SENSOR_H
@@ -12,30 +11,30 @@
 #include <stdint.h>
 #include "geometry.h"
 
-#define YAW_SHOWN 0.15                     /* furthest that fixes and angles may show it off from what is known of that, rad */
-#define YAW_UNPROVED 3                     /* samples that a mounting without error counts for */
-#define YAW_MEMORY 500                     /* samples that the error is averaged over at most */
+#define YAW_REFERENCE_GATE 0.15            /* largest change of the mounting's error by one reference, rad */
+#define YAW_PRIOR_SAMPLES 3                /* weight of the prior, a mounting without error, in samples */
+#define YAW_MEMORY 500                     /* samples that the mean covers at most */
 
 struct yaw_sensor {
-    double gate;                           /* furthest that a yaw may be from the expected one, rad */
+    double gate;                           /* largest innovation, rad */
     double error;                          /* of the mounting, clockwise, rad */
     int32_t samples;
 };
 
-/* The told yaw (rad) without the mounting's error and with the turns of the expected one; NaN where it is none to believe.
+/* The measured yaw (rad) without the mounting's error and with the turns of the expected one; NaN where it is rejected.
  *
- * shown: by fixes and angles, rad; NaN: by none. */
-static inline double yaw_believed(struct yaw_sensor *sensor, double told, double expected, double shown)
+ * reference: by fixes and angles, rad; NaN: unknown. */
+static inline double yaw_judged(struct yaw_sensor *sensor, double measured, double expected, double reference)
 {
-    const double off = wrapped(told + sensor->error - expected), error = wrapped(shown - told) - sensor->error;
+    const double innovation = wrapped(measured + sensor->error - expected), error = wrapped(reference - measured) - sensor->error;
 
-    if (!(fabs(off) <= sensor->gate))
+    if (!(fabs(innovation) <= sensor->gate))
         return (double)NAN;
-    if (fabs(error) <= YAW_SHOWN) {
+    if (fabs(error) <= YAW_REFERENCE_GATE) {
         sensor->samples += sensor->samples < YAW_MEMORY;
-        sensor->error += error / (sensor->samples + YAW_UNPROVED);
+        sensor->error += error / (sensor->samples + YAW_PRIOR_SAMPLES);
     }
-    return expected + off;
+    return expected + innovation;
 }
 
 #endif

@@ -1,5 +1,6 @@
 """Export: from a configuration to a folder with its controller as a C library."""
 
+import hashlib
 import json
 import re
 import shutil
@@ -137,18 +138,19 @@ def _source_files(
 ) -> tuple[dict[str, str], Memory]:
     """Return all that is the same for every target, by its place in the folder, and what its state takes."""
     configuration_mark = configuration_hash(configuration)[:16]
-    constants = _constants(configuration, components, f"{__version__} {configuration_mark}")
+    version = f"drawbar {__version__} {configuration_mark} {precision}"
+    constants = _constants(configuration, components, version)
     texts = {f"{component.name}.c": sources.component_text(component) for component in components}
     texts["step.c"] = '/* The control step. */\n#include "step.h"\n'
     texts["actuate.c"] = '/* The low level: valves, motors, pedal. */\n#include "actuate.h"\n'
     texts["line.c"] = '/* Recorded lines as paths. */\n#include "line_path.h"\n'
     main = sources.filled("main.c", {})
     every, memory = {**texts, **sources.headers(texts.values())}, Memory.of(components)
-    sizes = _sizes(memory, configuration, constants)
+    sizes = _sizes(memory, configuration, version, constants)
     if precision is Precision.SINGLE:
         every, main = single(every), single_text(main)
         memory = single_memory(components, {**every, **single(sizes)})
-        sizes = single(_sizes(memory, configuration, constants))
+        sizes = single(_sizes(memory, configuration, version, constants))
     every |= sizes
     number = re.match(r"\d+(?:\.\d+){0,3}", __version__)
     marks = {
@@ -175,14 +177,14 @@ def _constants(configuration: Configuration, components: Sequence[Component], ve
         **({"DRAWBAR_IDENTIFIED": ""} if "actuation" in names else {}),
         **({"DRAWBAR_DEAD_TIME": ""} if "predictor" in names else {}),
         "DRAWBAR_STEP_SETTINGS": _initialiser(step_settings(configuration)),
-        "DRAWBAR_VERSION": f'"drawbar {version}"',
+        "DRAWBAR_MARK": f"0x{hashlib.sha256(version.encode()).hexdigest()[:8]}u",
     }
 
 
-def _sizes(memory: Memory, configuration: Configuration, constants: Mapping[str, str]) -> dict[str, str]:
+def _sizes(memory: Memory, configuration: Configuration, version: str, constants: Mapping[str, str]) -> dict[str, str]:
     """Return the headers with numbers of this very configuration."""
     return {
-        "drawbar_size.h": sources.size_header(memory, configuration.sample_time),
+        "drawbar_size.h": sources.size_header(memory, configuration.sample_time, version),
         "drawbar_components.h": sources.components_header(memory, constants),
     }
 

@@ -61,9 +61,13 @@ def headers(texts: Iterable[str]) -> dict[str, str]:
     return dict(sorted(found.items()))
 
 
-def size_header(memory: Memory, sample_time: float) -> str:
+def size_header(memory: Memory, sample_time: float, version: str) -> str:
     """Return the public header with the size of the state: of all components, and of what the step itself remembers."""
-    macros = {"DRAWBAR_STATE_DOUBLES": str(memory.state_doubles), "DRAWBAR_SAMPLE_TIME": repr(sample_time)}
+    macros = {
+        "DRAWBAR_STATE_DOUBLES": str(memory.state_doubles),
+        "DRAWBAR_SAMPLE_TIME": repr(sample_time),
+        "DRAWBAR_VERSION": f'"{version}"',
+    }
     return _header("drawbar_size", macros)
 
 

@@ -18,7 +18,7 @@
 #define APPROACH_FOUND 64                  /* candidates whose last turn is solved for, at most */
 #define APPROACH_PLACES 448                /* of all candidates together, that are checked or traced and laid, at most */
 
-/* Where a tractor stands, seen from the path. */
+/* A tractor's pose relative to the path. */
 struct beside_path {
     double near;                           /* arc length of the path beside it, m */
     double offset;                         /* from the path, left positive, m */
@@ -132,7 +132,7 @@ static inline int approach_lay(struct approach *approach, const struct path *pat
     return approach->count > 1;
 }
 
-/* See a tractor at a pose from the path at the arc length `near` (m), where a straight line takes its place. */
+/* The tractor's pose relative to the path's tangent at the arc length `near` (m). */
 static inline struct beside_path beside_path(const struct path *path, const struct drawbar_pose *pose, double near,
                                              double curvature)
 {
@@ -193,8 +193,8 @@ static inline int approach_turn_fits(const struct onto_line *line, const struct 
     return 1;
 }
 
-/* Are the turns by these angles (rad) within the limits where that is seen without tracing them? `pose` is where they
- * begin: arc length of the path (m), distance to its left (m), heading against it (rad). */
+/* Whether the turns by these angles (rad) are within the limits, as far as that is decided without tracing them. `pose` is
+ * where they begin: arc length of the path (m), distance to its left (m), heading against it (rad). */
 static inline int approach_promises(const struct onto_line *line, const struct path *path, const double *angles,
                                     const double *pose, struct approach_limits *most)
 {

@@ -1,4 +1,4 @@
-/* Guidance: from where the vehicle is to what its two controllers shall follow; what both kinds of it share.
+/* Guidance: references of both controllers from the estimate and the path; shared by both kinds of guidance.
  *
  * The closest point of each body is searched in a window around that body's last progress, never on the whole path:
  * where the path crosses itself a global search would jump to the other branch. The including unit defines STAGES.
@@ -12,8 +12,7 @@
 #include "tracked.h"
 
 #define GUIDANCE_UNDER 1.0                 /* largest distance from a path that begins under the vehicle, m */
-#define ASTRAY (DRAWBAR_PI / 3.0)          /* heading error up to which the controllers find their way by themselves;
-                                              beyond it their linearisations do not, rad */
+#define ASTRAY (DRAWBAR_PI / 3.0)          /* heading error up to which the controllers' linearisations converge, rad */
 
 enum { TRACTOR, TRAILER, BODIES };
 
@@ -53,7 +52,7 @@ static inline int guidance_place(struct guidance *guidance, const struct path *p
     return DRAWBAR_GUIDANCE_FINE;
 }
 
-/* The estimate with the poses of what is tracked in place of the bodies'. */
+/* The estimate with the poses of the tracked points in place of the bodies'. */
 static inline struct drawbar_estimate guidance_tracked(const struct guidance *guidance,
                                                        const struct drawbar_estimate *estimate)
 {
@@ -76,7 +75,7 @@ static inline int guidance_begin(struct guidance *guidance, const struct path *p
     const double tractor[] = {first->tractor_x, first->tractor_y}, trailer[] = {first->trailer_x, first->trailer_y};
     const int status = guidance_place(guidance, path, start, tractor, trailer, distance);
 
-    for (int i = 0; i < BODIES; ++i)       /* a yaw is not known yet: about there is near enough */
+    for (int i = 0; i < BODIES; ++i)       /* without a yaw yet: the window covers the error */
         guidance->progress[i] += guidance->tracked[i].arm[0];
     return status;
 }
@@ -121,7 +120,7 @@ static inline int is_finite_pose(const struct drawbar_pose *pose)
     return isfinite(pose->x + pose->y + pose->yaw);
 }
 
-/* Move the progress to beside the estimate, and fill in what the references say of the closest points. */
+/* Update the progress to the points closest to the estimate, and fill in these points of the references. */
 static inline int guidance_advance(struct guidance *guidance, const struct path *path,
                                    const struct drawbar_estimate *estimate,
                                    struct drawbar_body_reference *const references[BODIES])
@@ -153,7 +152,7 @@ static inline void guidance_to_branch(struct guidance *guidance, const struct dr
     }
 }
 
-/* Let the references be those of the bodies' own points. */
+/* Convert the references of the tracked points to those of the bodies' own points. */
 static inline void guidance_to_bodies(struct guidance *guidance, const struct drawbar_estimate *estimate,
                                       struct drawbar_body_reference *const references[BODIES])
 {

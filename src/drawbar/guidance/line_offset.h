@@ -26,7 +26,7 @@ struct offset_shift {
 };
 
 struct line_offset {
-    double passed;                         /* what the shifts that are over have come to, m */
+    double passed;                         /* sum of the finished shifts, m */
     double wanted;                         /* m */
     struct offset_shift shifts[OFFSET_SHIFTS];
     int32_t count;                         /* of the shifts */
@@ -60,7 +60,7 @@ static inline double offset_stretch(const double *at, double curvature)
     return hypot(1.0 - curvature * at[0], at[1]);
 }
 
-/* Take a sample of the path to the line beside it. What the change of the path's curvature adds to the line's while it
+/* Shift a sample of the path to the line beside it. What the change of the path's curvature adds to the line's while it
  * shifts is left out: a product of the offset, its slope and that change. */
 static inline void offset_apply(const struct line_offset *offset, double arc_length, double *sample)
 {

@@ -12,8 +12,8 @@
 
 #define LINE_STEP (DRAWBAR_PI / 24.0)      /* between the angles that the first and the last turn are tried with, rad */
 #define LINE_STEPS 16                      /* of them to either side */
-#define LINE_CANDIDATES 128                /* most candidates; 109 have been seen */
-#define LINE_ITERATIONS 40                 /* of the root search; some 8 are usual */
+#define LINE_CANDIDATES 128                /* most candidates; 109 have occurred */
+#define LINE_ITERATIONS 40                 /* of the root search; typically 8 */
 #define LINE_REACHED 1e-13                 /* m; nearer is on the line, for every compiler's rounding */
 #define LINE_SAME 1e-9                     /* m; candidates that differ less are equally long */
 #define LINE_SLACK 1e-3                    /* m; how far outside the room the turns of a candidate may end */

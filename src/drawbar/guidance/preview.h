@@ -1,7 +1,7 @@
-/* Preview guidance: the path itself, at the pace at which the vehicle will cover it over the horizon.
+/* Preview guidance: the path itself, sampled as the vehicle will cover it over the horizon.
  *
- * Stage j of each body is the path at its progress plus j mu v dt; it never moves back. A tractor that faces away from
- * what it shall follow is led onto the path by turns (approach.h); the trailer comes after as it may.
+ * Stage j of each body is the path at its progress plus j mu v dt; it never moves back. A tractor whose heading is
+ * too far from its reference is led onto the path by turns (approach.h); the trailer follows without a reference of its own.
  */
 #ifndef DRAWBAR_PREVIEW_H
 #define DRAWBAR_PREVIEW_H

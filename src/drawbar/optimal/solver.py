@@ -202,7 +202,7 @@ class EstimationSolver(RealTimeIteration):
 
     Each sample: write row `newest` of `y`, NaN where a value is missing; feedback(); read row `newest` of `x`; then
     advance(). The window fills from its first row on. A value beyond 1e12 is refused: feedback() returns BAD_INPUT and
-    moves nothing, advance() takes the value for missing. What is smaller is believed, however far off, and a nonlinear
+    moves nothing, advance() takes the value for missing. What is smaller is used, however wrong, and a nonlinear
     model may never find back: write NaN in the place of a value that is further from what row `newest` of `x` expects
     than it can be, and restart with restart() where one got in (docs/tutorial.md). `lower` and `upper` hold
     the bounds of each bounded variable: (N+1,) of a state, (1,) of a parameter, (N,) of an input.

@@ -20,13 +20,13 @@ from drawbar.vehicle.model import Constant, by_name, constant, with_values
 CONTROL_ITERATIONS, ESTIMATION_ITERATIONS, CONSTRAINED_ITERATIONS = 25, 8, 80
 """Most iterations of the interior point in one feedback; the solvers of a step share fewer (ITERATIONS of
 step/build.py). Bounds on outputs and changes of inputs have as many as a quadratic program by itself."""
-USUAL_HORIZON, LONG_ITERATIONS = 20, 40
+STANDARD_HORIZON, LONG_ITERATIONS = 20, 40
 """Samples; and as many in a controller that plans further ahead, where more bounds are active."""
 
 
 def control_iterations(horizon: float) -> int:
     """Return the most iterations of a controller's interior point in one feedback, by its horizon in samples."""
-    return CONTROL_ITERATIONS if horizon <= USUAL_HORIZON else LONG_ITERATIONS
+    return CONTROL_ITERATIONS if horizon <= STANDARD_HORIZON else LONG_ITERATIONS
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -14,8 +14,8 @@ class Response(IntEnum):
     """What the supervisor does about a cause while driving, the worst last."""
 
     NONE = 0
-    TELL = 1
-    """tell the operator, and drive on"""
+    NOTIFY = 1
+    """notify the operator, and drive on"""
     DEGRADE = 2
     """drive slower, for a limited time"""
     STOP = 3
@@ -95,20 +95,20 @@ class Cause(Enum):
         "drive forwards; if you do, the two receivers are swapped: exchange them in [devices]")
     SENSORS_LOST = (214, True, Response.STOP, "neither an RTK fix nor any speed is received",
         "check the receivers and the sensor board")
-    # what the controller tells of sensors (driving/fault_detection/notices.py); the gate decides by what is left
-    RECEIVER_SILENT = (215, False, Response.TELL, "a receiver is not heard",
+    # faults of sensors, found by the controller (driving/fault_detection/notices.py); the gate decides without them
+    RECEIVER_SILENT = (215, False, Response.NOTIFY, "a receiver is not heard",
         "check its power and its cable; run drawbar check")
-    SENSOR_SILENT = (216, False, Response.TELL, "the hitch angle or the wheels' speed is not heard any more",
+    SENSOR_SILENT = (216, False, Response.NOTIFY, "the hitch angle or the wheels' speed is not heard any more",
         "check power and cables of the sensor board and its sensors")
-    POSITIONS_JUMPED = (217, False, Response.TELL, "both antennas' positions have jumped, and are left out",
+    POSITIONS_JUMPED = (217, False, Response.NOTIFY, "both antennas' positions have jumped, and are left out",
         "wait until the positions are right again; check base station and mount point")
-    POSITIONS_DRIFT = (218, False, Response.TELL, "the positions drift aside of the receivers' velocities",
+    POSITIONS_DRIFT = (218, False, Response.NOTIFY, "the positions drift aside of the receivers' velocities",
         "compare them with a place that is known; check base station and mount point")
-    POSITION_REJECTED = (219, True, Response.TELL, "an antenna's position contradicts the motion, and is not believed",
+    POSITION_REJECTED = (219, True, Response.NOTIFY, "an antenna's position contradicts the motion, and is rejected",
         "see whether its mast and cable are firm and its sky is open")
-    TRAILER_CONTRADICTS = (220, False, Response.TELL, "the angles of hitch and joint contradict the motion",
+    TRAILER_CONTRADICTS = (220, False, Response.NOTIFY, "the angles of hitch and joint contradict the motion",
         "check both sensors, their linkages and cables, then calibrate them again")
-    YAW_REJECTED = (221, False, Response.TELL, "the tractor's yaw or yaw rate contradicts the motion",
+    YAW_REJECTED = (221, False, Response.NOTIFY, "the tractor's yaw or yaw rate contradicts the motion",
         "check how its antennas or its inertial sensor are mounted and wired")
 
     TOO_SLOW = (301, True, Response.NONE, "the vehicle stands or is too slow",
@@ -134,7 +134,7 @@ class Cause(Enum):
         "check valve, motor and sensor; run drawbar check")
     STEERING_REVERSED = (406, False, Response.RELEASE, "a steering moves away from its set point",
         "check the signs of actuator and sensor; run drawbar check")
-    LET_GO = (407, False, Response.RELEASE, "an actuator has released the steering by itself",
+    ACTUATOR_RELEASED = (407, False, Response.RELEASE, "an actuator has released the steering by itself",
         "see the machine's own display for its reason")
     NOT_TAKEN = (408, False, Response.RELEASE, "actuators or controller did not take over in time",
         "see the machine's own display; engage again")
@@ -176,14 +176,14 @@ class Cause(Enum):
 
     NO_OPERATOR = (601, True, Response.STOP, "no operator is present",
         "open the console, or start the keyboard again")
-    NOT_RECORDING = (602, True, Response.TELL, "nothing is recorded: the disk is full, or the recorder has ended",
+    NOT_RECORDING = (602, True, Response.NOTIFY, "nothing is recorded: the disk is full, or the recorder has ended",
         "steering continues; stop when it suits, make room on the disk, start drawbar again")
     EMERGENCY_UNTRIED = (603, True, Response.NONE, "the emergency stop has not been tried since the start",
         "stand, press the emergency stop, then acknowledge")
     WIGGLE_UNTRIED = (604, True, Response.NONE, "the actuators' signs and gains have not been tried",
         "run drawbar check --wiggle")
     BUDGET = (605, False, Response.NONE, "it has been driven degraded for as long as allowed",
-        "see what worried it; engage again when it is gone")
+        "see what degraded it; engage again when it is gone")
     OPERATOR_STEERS = (606, False, Response.NONE, "the operator took over",
         "acknowledge, then engage again when ready")
     OPERATOR_STOPS = (607, False, Response.NONE, "the operator asked for a stop",
@@ -192,7 +192,7 @@ class Cause(Enum):
         "engage again when ready")
     EMERGENCY = (609, False, Response.NONE, "the operator asked for an emergency stop",
         "acknowledge when standing")
-    NOT_GUARDED = (610, True, Response.TELL, "the guard, which lets the boards go where the gate cannot, is silent",
+    NOT_GUARDED = (610, True, Response.NOTIFY, "the guard, which releases the boards where the gate cannot, is silent",
         "steering continues; stop when it suits, end other programs, start drawbar again")
     LEASE_HELD = (621, False, Response.NONE, "another operator holds the lease",
         "let that one release it, or fall silent")

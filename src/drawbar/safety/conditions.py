@@ -68,7 +68,7 @@ class Observation:
     """a steering moves away from its set point"""
     jumped: bool = False
     """a measured steering angle has jumped"""
-    let_go: bool = False
+    released: bool = False
     """an actuator was engaged and is not any more, and the operator did not take over"""
     readiness: tuple[Readiness, ...] = ()
     """of all actuators"""
@@ -138,7 +138,7 @@ _PRESENT: dict[Cause, Present] = {
     Cause.STEERING_STUCK: lambda o, s: o.stuck or o.not_following,
     Cause.STEERING_REVERSED: lambda o, s: o.reversed,
     Cause.STEERING_JUMPED: lambda o, s: o.jumped,
-    Cause.LET_GO: lambda o, s: o.let_go,
+    Cause.ACTUATOR_RELEASED: lambda o, s: o.released,
     Cause.GATE_LATE: lambda o, s: o.late_ago < s.engage.clean,
     Cause.SUSPENDED: lambda o, s: o.suspended,
     Cause.NOT_SENT: lambda o, s: o.unsent_ago < s.engage.clean,
@@ -164,5 +164,5 @@ def worst(causes: tuple[Cause, ...]) -> tuple[Response, Cause | None]:
 
     That an actuator has released is what all its troubles look like: any other cause says more.
     """
-    strongest = max(causes, key=lambda cause: (cause.response, cause is not Cause.LET_GO), default=None)
+    strongest = max(causes, key=lambda cause: (cause.response, cause is not Cause.ACTUATOR_RELEASED), default=None)
     return (Response.NONE, None) if strongest is None else (strongest.response, strongest)

@@ -1,8 +1,8 @@
 """Engagement: the supervisor of a real machine, which decides whether the gate's process may steer (docs/safety.md).
 
 A table of states and events, and the timers that make events of time. It lives in the gate's process and is pure: time
-and all that is observed are given to it. It is not `supervisor.h`, which ends one run of the control step when that
-strays from its line; such an end is one of many causes here (CONTROLLER_STOPS).
+and all that is observed are given to it. It is not `run_monitor.h`, which ends one run of the control step when that
+leaves its line; such an end is one of many causes here (CONTROLLER_STOPS).
 """
 
 import math
@@ -41,8 +41,8 @@ class Event(Enum):
     TAKEN = auto()
     """all actuators and the controller have taken over, and the time of easing is over"""
     CALM = auto()
-    """no worry for long enough"""
-    WORRY = auto()
+    """no cause to degrade for long enough"""
+    DEGRADE = auto()
     """a cause to drive degraded"""
     STOP = auto()
     """by the operator, the controller or a cause"""
@@ -66,7 +66,7 @@ TABLE: dict[SupervisorState, dict[Event, SupervisorState]] = {
     | {Event.FAULT: FAULT},
     ENGAGING: {Event.TAKEN: ACTIVE, Event.STOP: STOPPING, Event.RELEASE: STANDBY}
     | {Event.OVERRIDE: OVERRIDE, Event.FAULT: FAULT},
-    ACTIVE: {Event.WORRY: DEGRADED, Event.STOP: STOPPING, Event.RELEASE: STANDBY}
+    ACTIVE: {Event.DEGRADE: DEGRADED, Event.STOP: STOPPING, Event.RELEASE: STANDBY}
     | {Event.OVERRIDE: OVERRIDE, Event.FAULT: FAULT},
     DEGRADED: {Event.CALM: ACTIVE, Event.STOP: STOPPING, Event.RELEASE: STANDBY}
     | {Event.OVERRIDE: OVERRIDE, Event.FAULT: FAULT},
@@ -114,7 +114,9 @@ class Engagement:
         self.cause: Cause | None = None
         """what led to the state"""
         self.emergency_tried = False
-        self._unmet = self._worried = self._moved = -math.inf  # when there last was a refusal, a worry, a motion
+        self._unmet = self._degraded = (
+            self._moved
+        ) = -math.inf  # when there last was a refusal, a cause to degrade, a motion
         self._armed = -math.inf
 
     @property
@@ -161,7 +163,7 @@ class Engagement:
         return max(self.since + limits[self.state] - time, 0.0) if self.state in limits else math.nan
 
     def hurries(self, time: float) -> bool:
-        """Return whether to stop as fast as possible: an emergency, nobody steers, or a stop that takes too long."""
+        """Return whether to stop as fast as possible: in an emergency, unsteered, or where a stop takes too long."""
         unsteered = self.state in (ESTOP, FAULT) or self.cause is Cause.STOP_IGNORED
         return unsteered or (self.state is STOPPING and time - self.since >= self._drive.comfort)
 
@@ -179,7 +181,7 @@ class Engagement:
         if any(cause.refuses for cause in situation.causes):
             self._unmet = time
         if worst(situation.causes)[0] >= Response.DEGRADE:
-            self._worried = time
+            self._degraded = time
         if not situation.standing:
             self._moved = time
 
@@ -193,7 +195,7 @@ class Engagement:
 
     def _events(self, time: float, situation: Situation) -> dict[Event, Cause | None]:
         events: dict[Event, Cause | None] = dict(_asked(situation.actions))
-        if self.state is not READY:  # nobody has seen a state that becomes READY in this very update
+        if self.state is not READY:  # no operator has seen a state that becomes READY in this very update
             events.pop(Event.ENGAGE, None)
         if Action.ACKNOWLEDGE in situation.actions and self.answer(time, Action.ACKNOWLEDGE) is None:
             events[Event.ACKNOWLEDGE] = None
@@ -245,7 +247,7 @@ class Engagement:
         return {Event.FAULT: Cause.NOT_TAKEN} if spent >= self._drive.engaging else {}
 
     def _while_degraded(self, time: float) -> dict[Event, Cause | None]:
-        if time - self._worried >= self._drive.recovery:
+        if time - self._degraded >= self._drive.recovery:
             return {Event.CALM: None}
         return {Event.STOP: Cause.BUDGET} if time - self.since >= self._drive.budget else {}
 
@@ -255,7 +257,7 @@ class Engagement:
         return {Event.STOOD: Cause.STOP_IGNORED} if time - self.since >= self._patience(response) else {}
 
 
-_RESPONSES = {Response.DEGRADE: Event.WORRY, Response.STOP: Event.STOP, Response.RELEASE: Event.FAULT}
+_RESPONSES = {Response.DEGRADE: Event.DEGRADE, Response.STOP: Event.STOP, Response.RELEASE: Event.FAULT}
 _ASKED: dict[Action, tuple[Event, Cause | None]] = {
     Action.ENGAGE: (Event.ENGAGE, None),
     Action.RELEASE: (Event.RELEASE, Cause.OPERATOR_RELEASES),

@@ -1,13 +1,13 @@
 /* Gate: the last check of a command before it leaves, small and independent of all that made it.
  *
- * A command within the limits passes, but its steering only as far as an actuator can tell. One that follows with the
+ * A command within the limits passes, its steering clamped where that changes no motion. An actuator that follows with the
  * lag tau and the largest rate R has its valve fully open during the whole sample for every command beyond R (tau + dt)
  * from the wheels: all those become the one at that distance, which moves the wheels just as far. So a limited command
  * changes nothing about the motion, and two commands in a row are never further apart than R (2 tau + dt). Where the
  * wheels are is what the commands so far make of such an actuator, from where they were measured first.
  *
  * Otherwise the last command that passed is repeated, for a few samples, and then the vehicle stops: speed zero and the
- * steering as it was on average of late, so that the vehicle rolls out along the curve on which it is and its wheels do
+ * mean of the recent steering, so that the vehicle rolls out along the curve on which it is and its wheels do
  * not swing while it stands. A single command holds the noise of one sample: in a curve at 2 m/s that costs twice as much
  * until the vehicle stands. Both samples and time are counted: neither a clock that stands still nor a caller who is late can keep a
  * command alive.
@@ -21,7 +21,7 @@
 #include "signals.h"
 #include "unit.h"
 
-#define SETTLING 0.5                       /* time constant of the average that a stop holds, s */
+#define SETTLING 0.5                       /* time constant of the mean steering that a stop holds, s */
 
 enum { FRONT, JOINT, STEERINGS };
 
@@ -35,9 +35,9 @@ struct component {
     double patience;                       /* time for which a command may act without a new one, s */
     int32_t repeats;                       /* samples for which it may be repeated */
     int32_t refused;                       /* samples since a command has passed */
-    int32_t begun;                         /* there is a last command */
+    int32_t initialised;                   /* there is a last command */
     struct drawbar_command last;           /* the last one that passed; at first: stand, with the wheels as they are */
-    double settled[STEERINGS];             /* what its commands come to on average, rad */
+    double settled[STEERINGS];             /* mean of the commands, rad */
     double wheels[STEERINGS];              /* where the steering will be at the next command, in its own sign, rad */
 };
 
@@ -54,14 +54,14 @@ static inline int gate_admits(const struct component *gate, const struct drawbar
         && fabs(wanted->trailer_steering) <= gate->limits[JOINT] && fabs(wanted->speed) <= gate->speed_limit;
 }
 
-/* The angle, or the one nearest to it that the actuator can tell from those beyond, rad. */
+/* The angle, clamped to where the valve is already fully open, rad. */
 static inline double gate_limited(const struct component *gate, int i, double wanted)
 {
     const double reach = gate->rates[i] * (gate->lag + gate->sample_time);
     return clamped(wanted, gate->wheels[i] - reach, gate->wheels[i] + reach);
 }
 
-/* Let a sample pass under a steering command (rad): with the valve fully open at first, then by the lag. */
+/* Simulate a sample under a steering command (rad): with the valve fully open at first, then by the lag. */
 static inline void gate_follow(struct component *gate, int i, double command)
 {
     const double rate = gate->rates[i], gap = fabs(command - gate->wheels[i]);
@@ -72,8 +72,8 @@ static inline void gate_follow(struct component *gate, int i, double command)
     gate->settled[i] += (1.0 - exp(-gate->sample_time / SETTLING)) * (command - gate->settled[i]);
 }
 
-/* The last command that passed, which goes on to act. */
-static inline void gate_give(struct component *gate, double time, struct drawbar_command *given)
+/* Pass on the last admitted command, which continues to act. */
+static inline void gate_pass(struct component *gate, double time, struct drawbar_command *given)
 {
     gate_follow(gate, FRONT, gate->last.tractor_steering);
     gate_follow(gate, JOINT, gate->last.trailer_steering);
@@ -81,13 +81,13 @@ static inline void gate_give(struct component *gate, double time, struct drawbar
     given->time = time;
 }
 
-/* Where a steering (rad) is by its first measurement; straight where that is missing. */
+/* The first steering angle (rad) by its measurement; straight where that is missing. */
 static inline double gate_first(const struct component *gate, int i, double measured)
 {
     return isfinite(measured) ? clamped(gate->signs[i] * measured, -gate->limits[i], gate->limits[i]) : 0.0;
 }
 
-/* Begin with a vehicle that stands. */
+/* Initialise with a vehicle at rest. */
 int UNIT(begin)(struct component *gate, const struct drawbar_measurement *first)
 {
     gate->wheels[FRONT] = gate_first(gate, FRONT, first->tractor_steering);
@@ -95,22 +95,22 @@ int UNIT(begin)(struct component *gate, const struct drawbar_measurement *first)
     memcpy(gate->settled, gate->wheels, sizeof gate->settled);
     gate->last = (struct drawbar_command){first->time, gate->wheels[FRONT], gate->wheels[JOINT], 0.0};
     gate->refused = 0;
-    gate->begun = 1;
+    gate->initialised = 1;
     return 0;
 }
 
-/* Stop the vehicle: its steering stays where its commands have put it on average, and only a new one makes it move again. */
+/* Stop the vehicle: its steering stays at the mean of its commands, and only a new one makes it move again. */
 int UNIT(stop)(struct component *gate, double time, struct drawbar_command *given)
 {
     gate->refused = gate->repeats;
     gate->last.tractor_steering = gate->settled[FRONT] = gate_limited(gate, FRONT, gate->settled[FRONT]);
     gate->last.trailer_steering = gate->settled[JOINT] = gate_limited(gate, JOINT, gate->settled[JOINT]);
-    gate_give(gate, time, given);
+    gate_pass(gate, time, given);
     given->speed = 0.0;
     return DRAWBAR_GATE_STOPPED;
 }
 
-/* What to give to a call that was wrong, and is no sample: stand, with the steering as it is. Nothing changes. */
+/* The command for a wrong call, which is no sample: speed zero, with the steering as it is. Nothing changes. */
 int UNIT(stand)(const struct component *gate, double time, struct drawbar_command *given)
 {
     *given = gate->last;
@@ -119,26 +119,26 @@ int UNIT(stand)(const struct component *gate, double time, struct drawbar_comman
     return DRAWBAR_GATE_STOPPED;
 }
 
-/* Do without a command: repeat the last valid one as long as it may be, then stop. */
+/* Without a command: repeat the last valid one as long as that is allowed, then stop. */
 int UNIT(hold)(struct component *gate, double time, struct drawbar_command *given)
 {
     const double age = time - gate->last.time + 0.5 * gate->sample_time;   /* it acts until the next sample */
 
-    if (!gate->begun || gate->refused >= gate->repeats || !(age <= gate->patience))
+    if (!gate->initialised || gate->refused >= gate->repeats || !(age <= gate->patience))
         return UNIT(stop)(gate, time, given);
     ++gate->refused;
-    gate_give(gate, time, given);
+    gate_pass(gate, time, given);
     return DRAWBAR_GATE_REPEATED;
 }
 
-/* Let a sample pass that was left out: the last command went on to act. */
+/* Advance by a sample that was left out: the last command continued to act. */
 int UNIT(skip)(struct component *gate, struct drawbar_command *given)
 {
-    gate_give(gate, gate->last.time, given);
+    gate_pass(gate, gate->last.time, given);
     return 0;
 }
 
-/* Give the command that was wanted, or what takes its place; return the verdict. */
+/* Check a wanted command: `given` becomes that or its replacement; returns the verdict. */
 int UNIT(check)(struct component *gate, const struct drawbar_command *wanted, struct drawbar_command *given)
 {
     if (!gate_admits(gate, wanted))
@@ -147,7 +147,7 @@ int UNIT(check)(struct component *gate, const struct drawbar_command *wanted, st
     gate->last.tractor_steering = gate_limited(gate, FRONT, wanted->tractor_steering);
     gate->last.trailer_steering = gate_limited(gate, JOINT, wanted->trailer_steering);
     gate->refused = 0;
-    gate_give(gate, wanted->time, given);
+    gate_pass(gate, wanted->time, given);
     return given->tractor_steering != wanted->tractor_steering || given->trailer_steering != wanted->trailer_steering
         ? DRAWBAR_GATE_LIMITED : DRAWBAR_GATE_PASSED;
 }

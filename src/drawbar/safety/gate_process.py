@@ -41,7 +41,7 @@ def run(gate: Gate, settings: SafetySettings, clock: MachineClock) -> int:
         return _loop(gate, settings, notifier, clock)
     except Exception:
         say(traceback.format_exc())
-        _let_go(gate, settings, clock)
+        _release_for_good(gate, settings, clock)
         return FAILED
     finally:
         notifier.tell("STOPPING=1")
@@ -108,7 +108,7 @@ def _wait(gate: Gate, clock: MachineClock, now: float, until: float) -> None:
     clock.wait([each for each in descriptors if each >= 0], until - now)
 
 
-def _let_go(gate: Gate, settings: SafetySettings, clock: MachineClock) -> None:
+def _release_for_good(gate: Gate, settings: SafetySettings, clock: MachineClock) -> None:
     """Tell the actuators to release, after the gate's own program has failed: nothing of it is asked any more."""
     off = SteeringRequest(steer=False, angle=0.0, speed=0.0)
     stop = SpeedRequest(drive=False, speed=0.0, deceleration=settings.drive.emergency_deceleration)

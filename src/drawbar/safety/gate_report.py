@@ -139,7 +139,7 @@ def _steering(report: SteeringReport | None, set_point: float) -> _Steering:
 
 
 def _refusals(engagement: Engagement, causes: Sequence[Cause]) -> tuple[int, ...]:
-    """Return the codes of what stands against engaging, or of what worries while driving."""
+    """Return the codes of what stands against engaging, or of causes while driving."""
     driving = engagement.steers and engagement.state is not ENGAGING
     codes = [cause.value for cause in causes if (cause.response is not Response.NONE if driving else cause.refuses)]
     return (*codes, *[0] * REFUSALS)[:REFUSALS]

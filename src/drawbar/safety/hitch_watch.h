@@ -1,109 +1,109 @@
-/* Hitch watch: whether the angles that are measured at hitch and joint contradict the motion of both bodies.
+/* Hitch watch: whether the measured angles of hitch and joint contradict the motion of both bodies.
  *
- * An estimate follows a wrong hitch angle: yaws and side-slips bend until most of it fits, and both bodies are steered
- * beside the line. What they cannot bend to shows in both angles, a few degrees for long, more than usual on this ground.
- * A sensor that is stuck shows sooner by itself: it reports the very same angle while the estimate turns.
+ * The estimate absorbs most of a wrong hitch angle in yaws and side-slips, and both bodies are steered beside the line. A
+ * residual of a few degrees remains in both angles, beyond its root mean square on this ground. A stuck sensor is detected
+ * earlier: it repeats one angle while the estimate turns.
  */
 #ifndef DRAWBAR_HITCH_WATCH_H
 #define DRAWBAR_HITCH_WATCH_H
 
 #include <math.h>
+#include "frozen_signal.h"
 #include "geometry.h"
 #include "signals.h"
 #include "status.h"
-#include "still.h"
 
-#define HITCH_MEAN 0.5                     /* time over which differences are averaged, s */
-#define HITCH_USUAL 7.0                    /* times the usual mean difference that is a contradiction */
-#define HITCH_FIRST 0.0105                 /* usual one before anything is known of the ground, rad, */
-#define HITCH_FIRST_TIME 5.0               /* and time for which that counts, s */
-#define HITCH_LATELY 30.0                  /* over which it is averaged, s */
-#define HITCH_SHARP 3.0                    /* times the limit of the mean that a difference counts in it at most */
-#define HITCH_SURGE 2.0                    /* times the usual one that counts at most: a fault is not to become usual */
-#define HITCH_MOVES 0.1                    /* speed below which nothing is learned, m/s */
+#define HITCH_MEAN 0.5                     /* time constant of the mean residuals, s */
+#define HITCH_FACTOR 7.0                   /* root mean squares beyond which a mean residual is a contradiction */
+#define HITCH_PRIOR 0.0105                 /* prior root mean square, rad, */
+#define HITCH_PRIOR_TIME 5.0               /* and its weight, s */
+#define HITCH_BASELINE 30.0                /* time constant of the mean square, s */
+#define HITCH_CLIP 3.0                     /* limits at which a residual is clipped */
+#define HITCH_BASELINE_CLIP 2.0            /* root mean squares at which a mean residual is clipped: no fault may raise them */
+#define HITCH_SPEED 0.1                    /* below which the mean square is not updated, m/s */
 #define HITCH_TURNED 0.5                   /* share of `most` that the estimate turns while a stuck sensor does not, */
-#define HITCH_SHIFTED (1.0 * DRAWBAR_PI / 180.0)    /* and an angle, where the sensor hardly ever repeats itself, rad, */
-#define HITCH_OF_PATIENCE 0.5              /* share of the patience that one sample counts for at most */
-#define HITCH_SURE 1.5                     /* and so many times less, the more often it does */
+#define HITCH_SHIFTED (1.0 * DRAWBAR_PI / 180.0)   /* and an angle, for a sensor of fine resolution, rad, */
+#define HITCH_OF_PATIENCE 0.5              /* largest share of the patience that one sample counts for */
+#define HITCH_REPETITION_GAIN 1.5          /* largest factor by which repetitions reduce that angle */
 
 struct hitch_watch {
     /* settings, described in safety/sanity.py */
     double least, most, patience;
     /* state */
-    double means[2];                       /* measured minus estimated angles of hitch and joint, rad */
-    double usual, known;                   /* mean square of their length, rad2, over so long, s */
-    struct still still;                    /* the angle as it is reported, and as it is estimated, rad */
-    double contradicts, stuck;             /* for how long, s */
-    int32_t begun;
+    double means[2];                       /* of the residuals: measured minus estimated angles of hitch and joint, rad */
+    double baseline, baseline_time; /* mean square of their norm, rad2; time that it covers, s */
+    struct frozen_signal frozen;           /* reported and estimated hitch angle, rad */
+    double contradicted_time, stuck_time;  /* for how long, s */
+    int32_t initialised;
 };
 
 #define HITCH_WATCH_FIELDS(type, place)                                                                      \
     SETTING(type, place.least, 0, 1, 0, 0) SETTING(type, place.most, 0, 1, 0, 0)                             \
-    SETTING(type, place.patience, 0, 1, 0, 0) FIELD(type, place.stuck, 0, 1, 0, 0)
+    SETTING(type, place.patience, 0, 1, 0, 0) FIELD(type, place.stuck_time, 0, 1, 0, 0)
 
-/* An angle that is missing differs by nothing; a single false one is not to exceed the mean's limit by itself. */
-static inline double hitch_difference(double measured, double estimated, double limit)
+/* The residual of an angle, clipped so that no single one exceeds the mean's limit, rad; zero of a missing one. */
+static inline double hitch_residual(double measured, double estimated, double limit)
 {
-    return isfinite(measured) ? clipped(wrapped(measured - estimated), HITCH_SHARP * limit) : 0.0;
+    return isfinite(measured) ? clipped(wrapped(measured - estimated), HITCH_CLIP * limit) : 0.0;
 }
 
-/* Whether both angles differ for long by more than this ground makes them. */
-static inline int hitch_contradicts(struct hitch_watch *watch, const struct drawbar_measurement *m,
+/* Whether the mean residuals exceed their limit. */
+static inline int hitch_is_contradicted(struct hitch_watch *watch, const struct drawbar_measurement *m,
                                     const struct drawbar_estimate *estimate, double elapsed)
 {
-    const int known = estimate->status == SOLVED;
-    const double usual = sqrt(watch->usual), limit = fmin(fmax(watch->least, HITCH_USUAL * usual), watch->most);
-    const double now[] = {
-        known ? hitch_difference(m->hitch_angle, estimate->hitch_angle, limit) : 0.0,
-        known ? hitch_difference(m->trailer_steering, estimate->trailer_steering, limit) : 0.0,
+    const int solved = estimate->status == SOLVED;
+    const double baseline = sqrt(watch->baseline), limit = fmin(fmax(watch->least, HITCH_FACTOR * baseline), watch->most);
+    const double differences[] = {
+        solved ? hitch_residual(m->hitch_angle, estimate->hitch_angle, limit) : 0.0,
+        solved ? hitch_residual(m->trailer_steering, estimate->trailer_steering, limit) : 0.0,
     };
-    const double share = fmin(-expm1(-elapsed / HITCH_MEAN), 1.0 / HITCH_SHARP);
+    const double share = fmin(-expm1(-elapsed / HITCH_MEAN), 1.0 / HITCH_CLIP);
 
     for (int i = 0; i < 2; ++i)
-        watch->means[i] += share * (now[i] - watch->means[i]);
+        watch->means[i] += share * (differences[i] - watch->means[i]);
     const double mean = hypot(watch->means[0], watch->means[1]);
-    if (fabs(m->speed) >= HITCH_MOVES && elapsed > 0.0) {
-        const double counts = fmin(mean, HITCH_SURGE * usual);
-        watch->known = fmin(watch->known + elapsed, HITCH_LATELY);
-        watch->usual += elapsed / watch->known * (counts * counts - watch->usual);
+    if (fabs(m->speed) >= HITCH_SPEED && elapsed > 0.0) {
+        const double clipped_mean = fmin(mean, HITCH_BASELINE_CLIP * baseline);
+        watch->baseline_time = fmin(watch->baseline_time + elapsed, HITCH_BASELINE);
+        watch->baseline += elapsed / watch->baseline_time * (clipped_mean * clipped_mean - watch->baseline);
     }
     return mean > limit;
 }
 
-/* For how long the sensor has reported the very same angle although the estimate has turned away from it, s; `patience` and
- * more at once where it never repeats itself so often. */
+/* For how long the sensor has repeated one angle although the estimate has turned away from it, s; infinite at once where its
+ * sequence of repetitions is not plausible. */
 static inline double hitch_stuck(struct hitch_watch *watch, double reported, double estimated, double speed,
                                  double elapsed)
 {
-    const struct still *still = &watch->still;
-    const double away = fabs(wrapped(estimated - reported)), least = HITCH_TURNED * watch->most;
+    const struct frozen_signal *frozen = &watch->frozen;
+    const double difference = fabs(wrapped(estimated - reported)), least = HITCH_TURNED * watch->most;
 
-    still_take(&watch->still, reported, estimated, speed);
-    const double unusual = still_unusual(still);
-    if (unusual >= 1.0 && still_missed(still, HITCH_SHIFTED) > HITCH_SHIFTED / fmin(unusual, HITCH_SURE))
+    frozen_update(&watch->frozen, reported, estimated, speed);
+    const double repetition = frozen_repetition(frozen);
+    if (repetition >= 1.0 && frozen_excess(frozen, HITCH_SHIFTED) > HITCH_SHIFTED / fmin(repetition, HITCH_REPETITION_GAIN))
         return (double)INFINITY;
-    return still->most - still->least > least && away > 0.5 * least ? watch->stuck + elapsed : 0.0;
+    return frozen->most - frozen->least > least && difference > 0.5 * least ? watch->stuck_time + elapsed : 0.0;
 }
 
-/* Look at a step: 0, or the status with which the run ends. reported: by the sensor; m: brought up to now. */
+/* Judge a step: 0, or the status with which the run ends. reported: by the sensor; m: brought up to now. */
 static inline int hitch_look(struct hitch_watch *watch, double reported, const struct drawbar_measurement *m,
                              const struct drawbar_estimate *estimate, double elapsed)
 {
-    if (!watch->begun) {
-        watch->usual = HITCH_FIRST * HITCH_FIRST;
-        watch->known = HITCH_FIRST_TIME;
-        watch->still.value = (double)NAN;
-        watch->begun = 1;
+    if (!watch->initialised) {
+        watch->baseline = HITCH_PRIOR * HITCH_PRIOR;
+        watch->baseline_time = HITCH_PRIOR_TIME;
+        watch->frozen.value = (double)NAN;
+        watch->initialised = 1;
     }
-    const int differs = hitch_contradicts(watch, m, estimate, elapsed);
+    const int differs = hitch_is_contradicted(watch, m, estimate, elapsed);
     const double counts = fmin(elapsed, HITCH_OF_PATIENCE * watch->patience);
-    if (!isfinite(reported) || estimate->status != SOLVED) {   /* there is nothing to compare */
-        watch->contradicts = watch->stuck = 0.0;
+    if (!isfinite(reported) || estimate->status != SOLVED) {   /* nothing to compare */
+        watch->contradicted_time = watch->stuck_time = 0.0;
         return 0;
     }
-    watch->contradicts = differs ? watch->contradicts + counts : 0.0;
-    watch->stuck = hitch_stuck(watch, reported, estimate->hitch_angle, m->speed, counts);
-    return fmax(watch->contradicts, watch->stuck) > watch->patience ? DRAWBAR_HITCH : 0;
+    watch->contradicted_time = differs ? watch->contradicted_time + counts : 0.0;
+    watch->stuck_time = hitch_stuck(watch, reported, estimate->hitch_angle, m->speed, counts);
+    return fmax(watch->contradicted_time, watch->stuck_time) > watch->patience ? DRAWBAR_HITCH : 0;
 }
 
 #endif

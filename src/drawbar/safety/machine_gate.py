@@ -148,7 +148,7 @@ class Gate:
             stuck=any(each.stuck for each in self._followings),
             reversed=any(each.reversed for each in self._followings),
             jumped=any(each.jumped for each in self._followings),
-            let_go=lost and not any(report.overridden for report in reports),
+            released=lost and not any(report.overridden for report in reports),
             operator_age=self._desk.age(now),
             emergency_tried=self.engagement.emergency_tried,
         )

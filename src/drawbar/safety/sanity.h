@@ -1,5 +1,5 @@
-/* Sanity: what shows in a run that no controller can mend, and that drives slower or ends it; positions that stay
- * coarse, a loop that oscillates, a vehicle that moves against the way it faces. */
+/* Sanity: faults that no controller can correct, and that slow the vehicle down or end the run: positions that stay coarse, a
+ * loop that oscillates, a vehicle that moves against its heading, a hitch angle that contradicts the motion. */
 #ifndef DRAWBAR_SANITY_H
 #define DRAWBAR_SANITY_H
 
@@ -12,9 +12,9 @@
 #include "unit.h"
 
 #define MOTION_TIME 1.0                    /* over which motion is averaged, s */
-#define MOTION_LEAST 0.3                   /* distance within it that tells the direction of motion, m */
-#define MOTION_SHARP 0.8                   /* of it, backwards, that one sample counts at most: it may be false */
-#define MOTION_SHARE 0.3                   /* of that distance, backwards */
+#define MOTION_LEAST 0.3                   /* distance within it that determines the direction of motion, m */
+#define MOTION_SHARP 0.8                   /* largest share of it, backwards, by one sample, which may be false */
+#define MOTION_SHARE 0.3                   /* share of that distance, backwards, that a point must move */
 #define MOST_SPELLS 2                      /* how often a run may begin to oscillate */
 
 struct component {
@@ -23,16 +23,16 @@ struct component {
     double swing, steering_swing, swing_share;
     struct hitch_watch hitch;
     double wheelbase;                      /* m */
-    double position;                       /* deviation of a fix whose receiver reports none, m */
+    double position;                       /* standard deviation of a fix whose receiver reports none, m */
     int32_t swings_slow, swings_stop;      /* half waves */
     /* state */
     time_stamp time, last_fine;            /* of the last sample, of the last fine fix */
     double fixes[4];                       /* of the last sample, m */
-    double distance, moved[2];             /* recently: by the wheels, and of both points along their bodies, m */
-    double seen[2];                        /* part of that distance for which each point had fixes, m */
+    double distance, moved[2];             /* recent, by the wheels; of both points along their bodies, m */
+    double observed[2];                    /* part of that distance with fixes of each point, m */
     struct swings errors[2], steering;
-    int32_t swinging, spells;              /* it oscillates; how often that has begun */
-    int32_t begun;
+    int32_t swinging, oscillations;        /* it oscillates; how often that has started */
+    int32_t initialised;
 };
 
 #define COMPONENT_FIELDS                                                                                          \
@@ -44,7 +44,7 @@ struct component {
     SETTING(component, position, 0, 1, 0, 0)                                                                           \
     SETTING(component, swings_slow, 1, 1, 0, 0) SETTING(component, swings_stop, 1, 1, 0, 0)
 
-/* For how long no fix has been fine, s: there are coarse ones, or none. */
+/* For how long no fix has been fine, s: all were coarse or missing. */
 static inline double without_fine(struct component *sanity, const struct drawbar_measurement *measurement,
                                 const struct drawbar_estimate *estimate)
 {
@@ -57,18 +57,18 @@ static inline double without_fine(struct component *sanity, const struct drawbar
     return measurement->time - sanity->last_fine;
 }
 
-/* Whether a point has moved against the way that its body faces, and the other as well or without fixes that tell. */
-static inline int moved_back(const struct component *sanity, int i)
+/* Whether a point has moved against its body's heading, and the other as well or without enough fixes. */
+static inline int has_moved_back(const struct component *sanity, int i)
 {
-    const double limit = -MOTION_SHARE * sanity->distance, seen = 0.5 * sanity->distance;
+    const double limit = -MOTION_SHARE * sanity->distance, observed = 0.5 * sanity->distance;
     const int other = 1 - i;
 
     return sanity->moved[i] < limit
-        && (sanity->moved[other] < limit || (!(sanity->seen[other] > seen) && sanity->distance > 2.0 * MOTION_LEAST));
+        && (sanity->moved[other] < limit || (!(sanity->observed[other] > observed) && sanity->distance > 2.0 * MOTION_LEAST));
 }
 
-/* Whether both points move against the way their bodies face, although the wheels turn, or the wheels say so themselves.
- * Where only one has fixes, twice the distance must show it. */
+/* Whether both points move against their bodies' headings while the wheels turn forwards, or the wheels turn backwards. Where
+ * only one has fixes, twice the distance is needed. */
 static inline int moves_backwards(struct component *sanity, const struct drawbar_measurement *m,
                                   const struct drawbar_estimate *estimate)
 {
@@ -86,11 +86,11 @@ static inline int moves_backwards(struct component *sanity, const struct drawbar
         const double east = fixes[2 * i] - sanity->fixes[2 * i], north = fixes[2 * i + 1] - sanity->fixes[2 * i + 1];
         const double along = east * cos(yaws[i]) + north * sin(yaws[i]), most = 2.0 * fabs(distance);
         sanity->moved[i] = decay * sanity->moved[i] + (isfinite(along) ? clamped(along, -most, most) : 0.0);
-        sanity->seen[i] = decay * sanity->seen[i] + (isfinite(along) ? distance : 0.0);
+        sanity->observed[i] = decay * sanity->observed[i] + (isfinite(along) ? distance : 0.0);
     }
     memcpy(sanity->fixes, fixes, sizeof fixes);
     return sanity->distance < -MOTION_LEAST
-        || (sanity->distance > MOTION_LEAST && (moved_back(sanity, 0) || moved_back(sanity, 1)));
+        || (sanity->distance > MOTION_LEAST && (has_moved_back(sanity, 0) || has_moved_back(sanity, 1)));
 }
 
 /* How many half waves in a row either error or the steering has swung. */
@@ -107,15 +107,15 @@ static inline int32_t swings_of(struct component *sanity, const struct drawbar_e
     return errors > steering ? errors : steering;
 }
 
-/* Look at one step, as it was reported and as it was aligned: returns 0 or the status with which the run ends; `share`
+/* Judge one step, as it was reported and as it was aligned: returns 0 or the status with which the run ends; `share`
  * becomes the part of the set speed that may be driven. */
 int UNIT(look)(struct component *sanity, const struct drawbar_measurement *reported,
                const struct drawbar_measurement *measurement, const struct drawbar_estimate *estimate,
                const struct drawbar_body_reference *tractor, const struct drawbar_body_reference *trailer, double *share)
 {
-    if (!sanity->begun) {
+    if (!sanity->initialised) {
         sanity->last_fine = sanity->time = measurement->time;
-        sanity->begun = 1;
+        sanity->initialised = 1;
     }
     const double coarse = without_fine(sanity, measurement, estimate);
     const int backwards = moves_backwards(sanity, measurement, estimate);
@@ -124,10 +124,10 @@ int UNIT(look)(struct component *sanity, const struct drawbar_measurement *repor
     sanity->time = measurement->time;
     const int32_t swings = swings_of(sanity, estimate, tractor, trailer);
 
-    sanity->spells += swings >= sanity->swings_slow && !sanity->swinging;
+    sanity->oscillations += swings >= sanity->swings_slow && !sanity->swinging;
     sanity->swinging = swings >= sanity->swings_slow;
     *share = coarse > sanity->coarse_after ? sanity->coarse_share : 1.0;
-    for (int32_t i = 0; i < sanity->spells; ++i)   /* what has oscillated would again: the speed stays low */
+    for (int32_t i = 0; i < sanity->oscillations; ++i) /* it would oscillate again: the speed stays low */
         *share *= sanity->swing_share;
     if (backwards)
         return DRAWBAR_BACKWARDS;
@@ -135,7 +135,7 @@ int UNIT(look)(struct component *sanity, const struct drawbar_measurement *repor
         return contradiction;
     if (coarse > sanity->coarse_budget)
         return DRAWBAR_COARSE;
-    return swings >= sanity->swings_stop || sanity->spells > MOST_SPELLS ? DRAWBAR_OSCILLATION : 0;
+    return swings >= sanity->swings_stop || sanity->oscillations > MOST_SPELLS ? DRAWBAR_OSCILLATION : 0;
 }
 
 #endif

@@ -16,7 +16,7 @@ class SanitySettings(Settings):
     lost: Positive = 6.0
     """distance of the tractor from the path at which the run ends, m; more than `guidance.maximum_start_distance`"""
     blind: Positive = 15.0
-    """time without a fix of either antenna that is believed after which the run ends, s"""
+    """time without an accepted fix of either antenna after which the run ends, s"""
     blind_deviation: Positive = 0.15
     """standard deviation across the line, as the way without a fix makes it, at which the run ends, m; `drawbar drive`
     holds the estimator's own against `safety.drive.lateral_deviation`"""

@@ -67,7 +67,7 @@ class DriveSettings(Settings):
     budget: Timeout = 10.0
     """time for which the vehicle may be driven degraded, s"""
     recovery: Timeout = 2.0
-    """time without a worry after which it is no longer degraded, s"""
+    """time without a cause to degrade, after which it is no longer degraded, s"""
     degraded_speed: Share = 0.5
     """share of its speed at which the vehicle is driven degraded"""
     stopping: Timeout = 10.0
@@ -147,7 +147,7 @@ class TimingSettings(Settings):
     speed: Timeout = 0.5
     """oldest speed, s"""
     speed_difference: Positive = 0.5
-    """of wheels and receiver, above which neither is believed, m/s"""
+    """of wheels and receiver, above which neither is used, m/s"""
     speed_samples: Steps = 6
     """of each source of speed whose largest counts"""
     speed_ratio: Annotated[float, Field(gt=1.0, le=5.0)] = 1.5
@@ -161,7 +161,7 @@ class TimingSettings(Settings):
     recorder: Timeout = 1.0
     """oldest heartbeat of the recorder, s"""
     guard: Timeout = 1.0
-    """oldest heartbeat of the guard, which lets the boards go where the gate falls silent, s"""
+    """oldest heartbeat of the guard, which releases the boards where the gate falls silent, s"""
     late: Timeout = 0.1
     """by which a tick of the gate may come late, s"""
     suspended: Timeout = 0.5

@@ -22,7 +22,7 @@ struct swings {
     int32_t count;                         /* half waves in a row that count */
 };
 
-/* Take in the signal at a time (s); returns how many half waves in a row are swings. */
+/* Update with the signal at a time (s); returns the number of consecutive half waves that are swings. */
 static inline int32_t swings_update(struct swings *swings, double time, double signal, double threshold)
 {
     const int32_t side = signal > 0.5 * threshold ? 1 : signal < -0.5 * threshold ? -1 : 0;

@@ -37,7 +37,16 @@ from drawbar.signals.quantities import (
     Seconds,
 )
 from drawbar.signals.record import SolveTimes, StepRecord, Truth
-from drawbar.statuses import FixQuality, FixStatus, Flag, GateVerdict, GuidanceStatus, SolverStatus, Status, Supervision
+from drawbar.statuses import (
+    FixQuality,
+    FixStatus,
+    Flag,
+    GateVerdict,
+    GuidanceStatus,
+    MonitorVerdict,
+    SolverStatus,
+    Status,
+)
 
 __all__ = [
     "Actuation",
@@ -59,6 +68,7 @@ __all__ = [
     "Measurement",
     "Metres",
     "MetresPerSecond",
+    "MonitorVerdict",
     "PathNode",
     "Places",
     "Plan",
@@ -74,6 +84,5 @@ __all__ = [
     "SolverStatus",
     "Status",
     "StepRecord",
-    "Supervision",
     "Truth",
 ]

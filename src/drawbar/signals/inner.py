@@ -54,7 +54,7 @@ class RecordedPlace(BodyPlace):
 @as_struct
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Places:
-    """Where both bodies are beside the path at one instant: references without their samples, which the path tells."""
+    """Where both bodies are beside the path at one instant: references without samples, which follow from the path."""
 
     time: float
     """s"""

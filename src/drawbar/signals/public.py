@@ -70,9 +70,9 @@ class Measurement:
     trailer_yaw_rate: RadiansPerSecond = math.nan
     """counter-clockwise positive"""
     tractor_fix_age: Seconds = 0.0
-    """of the tractor's position at the time of the sample; 0: not told, `sensors.fixes.age` is taken"""
+    """of the tractor's position at the time of the sample; 0: not reported, `sensors.fixes.age` is used"""
     trailer_fix_age: Seconds = 0.0
-    """of the trailer's position at the time of the sample; 0: not told, `sensors.fixes.age` is taken"""
+    """of the trailer's position at the time of the sample; 0: not reported, `sensors.fixes.age` is used"""
     hitch_angle_age: Seconds = 0.0
     """of the hitch angle at the time of the sample"""
     speed_age: Seconds = 0.0
@@ -102,7 +102,7 @@ class Pose:
 @as_struct
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Estimate:
-    """What the estimator believes now."""
+    """Estimated poses, joint angles, speed and slip factors at one time."""
 
     time: Seconds
     """of the measurement"""
@@ -205,7 +205,7 @@ class Diagnostics:
 @as_struct
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BodyActuation:
-    """What one steering makes of its commands, as far as its angles show; zero where nobody looks."""
+    """Identified dynamics of one steering from command to angle; zero where none are identified."""
 
     dead_time: Seconds = 0.0
     """between a command and the first reaction"""
@@ -224,34 +224,34 @@ class BodyActuation:
 @as_struct
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Actuation:
-    """What is found of steerings, late fixes and roll sensors, and what is planned with; zero where nobody looks."""
+    """Identified dynamics of steerings and errors of sensors, and what plans assume; zero where none are identified."""
 
     tractor: BodyActuation = BodyActuation()
     """front wheels"""
     trailer: BodyActuation = BodyActuation()
     """actuated joint"""
     dead_time: Seconds = 0.0
-    """for which is planned, beside the lag of the body"""
+    """that plans assume, beside the lag of the body"""
     body_lag: Seconds = 0.0
     """by which the tractor turns later than its wheels stand: stated (`actuation.body_lag_per_speed`), by the ground's
-    creep, and as the yaw-rate sensor shows; for which is planned"""
+    creep, and as the yaw-rate sensor identifies it; plans assume it"""
     body_lag_deviation: Seconds = 0.0
-    """standard deviation of what the yaw-rate sensor shows"""
+    """standard deviation of the part that the yaw-rate sensor identifies"""
     tractor_lag: Seconds = 0.0
-    """for which is planned"""
+    """that plans assume"""
     trailer_lag: Seconds = 0.0
-    """for which is planned"""
+    """that plans assume"""
     tractor_rate: RadiansPerSecond = 0.0
-    """for which is planned"""
+    """that plans assume"""
     trailer_rate: RadiansPerSecond = 0.0
-    """for which is planned"""
+    """that plans assume"""
     fix_latency: Seconds = 0.0
-    """by which fixes are later than their receivers or `sensors.fixes.age` tell, as the yaw-rate sensor shows"""
+    """identified by the yaw-rate sensor, beyond the age that receivers or `sensors.fixes.age` state"""
     tractor_roll_offset: Radians = 0.0
-    """what the tractor's attitude sensor shows as roll while it stands level, beyond the stated offset"""
+    """identified zero of the tractor's roll sensor, beyond the stated offset"""
     tractor_roll_deviation: Radians = 0.0
     """standard deviation"""
     trailer_roll_offset: Radians = 0.0
-    """what the trailer's attitude sensor shows as roll while it stands level, beyond the stated offset"""
+    """identified zero of the trailer's roll sensor, beyond the stated offset"""
     trailer_roll_deviation: Radians = 0.0
     """standard deviation"""

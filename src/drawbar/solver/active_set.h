@@ -42,7 +42,7 @@ static void active_first(const struct qp *s, const double *gradient, double *fir
     ldl_state_solve((const double (*)[NX])s->P0_L, s->P0_D, first);
 }
 
-/* Let the multipliers, changed by as much, pull at the gradient. */
+/* Add the changed multipliers to the gradient. */
 static void active_pull(const struct qp *s, const struct active_set *a, const double *change, double *gradient)
 {
     for (int r = 0; r < a->count; ++r)
@@ -67,7 +67,7 @@ static int active_add(const struct qp *s, struct active_set *a, int i)
     return 1;
 }
 
-/* L D L' of how far the pulls move the held variables; those that were let go have rows of the identity. Returns 0 when
+/* L D L' of how far the pulls move the held variables; those that were released have rows of the identity. Returns 0 when
  * the held bounds depend on each other. */
 static int active_factor(struct active_set *a)
 {
@@ -105,7 +105,7 @@ static void active_solve(const struct qp *s, const struct active_set *a, double 
     }
 }
 
-/* Let go what is held by a multiplier of the wrong sign, hold what lies outside; returns how many changed, or -1. */
+/* Release what is held by a multiplier of the wrong sign, hold what lies outside; returns how many changed, or -1. */
 static int active_update(const struct qp *s, struct active_set *a)
 {
     int changes = 0;

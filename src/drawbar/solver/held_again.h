@@ -107,8 +107,7 @@ static int held_recall(const struct qp *restrict s, struct held_set *restrict h)
     return found;
 }
 
-/* Go by the laws of the bounds that are kept. Returns how many bounds have changed on the way, or -1 where it cannot be begun
- * so. */
+/* Forward by the laws of the bounds that are kept. Returns how many bounds have changed, or -1 where these laws do not apply. */
 static int held_first(struct qp *restrict s, struct held_set *restrict h)
 {
     if (!held_recall(s, h))

@@ -90,9 +90,9 @@ static inline int held_stays(const struct qp *s, const struct held_set *h, int k
     return 1;
 }
 
-/* Let an input go that its bound holds back from where the cost falls, as the way forward has led to this state: of bounds in a
+/* Release an input that its bound holds back from where the cost falls, as the way forward has led to this state: of bounds in a
  * row, all that have to go after the first do so in one pass. The way goes on from the input's best. */
-static inline void held_let_go(const struct qp *s, struct held_set *h, int k, int a, const pack *x, double *u)
+static inline void held_drop(const struct qp *s, struct held_set *h, int k, int a, const pack *x, double *u)
 {
     const int i = h->by[k][a];
 
@@ -134,10 +134,10 @@ static int held_clip(const struct qp *restrict s, struct held_set *restrict h, i
     return changes;
 }
 
-/* Forward by the laws, with every input within its room, and multipliers of the costs to go; may_let_go: where the way backward
- * has told of held inputs' gradients. Returns how many bounds have changed, or -1 where one is violated that cannot be held
- * here. */
-static int held_forward(struct qp *restrict s, struct held_set *restrict h, int may_let_go)
+/* Forward by the laws, with every input within its room, and multipliers of the costs to go; may_release: after a backward
+ * sweep, which has computed held inputs' gradients. Returns how many bounds have changed, or -1 where one is violated that
+ * cannot be held here. */
+static int held_forward(struct qp *restrict s, struct held_set *restrict h, int may_release)
 {
     double now[NX];
     int changes = 0;
@@ -149,8 +149,8 @@ static int held_forward(struct qp *restrict s, struct held_set *restrict h, int 
         state_and_multiplier(s, k, now, h->p[k], x, s->z, s->pi);
         for (int a = 0; a < NU && k < N; ++a) {
             u[a] = add_dot(h->feedforward[k][a], s->K[k][a], x);
-            if (may_let_go)
-                held_let_go(s, h, k, a, x, &u[a]);
+            if (may_release)
+                held_drop(s, h, k, a, x, &u[a]);
             const int changed = held_stays(s, h, k, a, x, u[a]) ? 0 : held_clip(s, h, k, a, x, &u[a]);
             if (changed < 0)
                 return -1;

@@ -278,7 +278,7 @@ static void held_give_way(struct qp *restrict s, struct held_set *restrict h, in
     }
 }
 
-/* Let go of bounds that hold inputs of a stage back from where the cost falls, and let give way what costs more to hold than
+/* Release bounds that hold inputs of a stage back from where the cost falls, and let give way what costs more to hold than
  * its price: the trajectory is where they hold it. Returns whether one gave way: the stage's Hessian is another one then. */
 static int held_release(struct qp *restrict s, struct held_set *restrict h, int k, const struct held_hessian *restrict H)
 {

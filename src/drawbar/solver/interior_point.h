@@ -8,6 +8,7 @@
 #ifndef DRAWBAR_INTERIOR_POINT_H
 #define DRAWBAR_INTERIOR_POINT_H
 
+#include "apart.h"
 #include "farkas.h"
 #include "ip_start.h"
 
@@ -56,7 +57,7 @@ static void ip_look(const struct qp *restrict s, struct interior_point *restrict
 }
 
 /* Mean complementarity after a step of the given length. */
-static double ip_measure(const struct interior_point *restrict ip, double step)
+static APART double ip_measure(const struct interior_point *restrict ip, double step)
 {
     double sum[BLOCK] = {0.0}, total = 0.0;
 
@@ -165,7 +166,7 @@ static void ip_move(struct qp *restrict s, struct interior_point *restrict ip, d
 
 /* By how much do the multipliers' last steps prove that no point exists? Where none does the multipliers grow without end, along a
  * certificate, while the cost stands still: their growth is the purer certificate. */
-static double ip_infeasible(const struct qp *s, const struct interior_point *ip)
+static SELDOM double ip_infeasible(const struct qp *s, const struct interior_point *ip)
 {
     return farkas_margin(s, ip->dlambda, ip->dlambda + NLOWER);
 }
@@ -205,7 +206,7 @@ static void ip_keep(const struct qp *s, struct ip_answer *best)
     memcpy(best->violation, s->violation, sizeof best->violation);
 }
 
-static int ip_restore(struct qp *s, const struct ip_answer *best)
+static SELDOM int ip_restore(struct qp *s, const struct ip_answer *best)
 {
     s->kkt = best->kkt;
     memcpy(s->z, best->z, sizeof s->z);
@@ -216,7 +217,7 @@ static int ip_restore(struct qp *s, const struct ip_answer *best)
 }
 
 /* Where it goes no further: the best answer if it is good enough, else the proof that there is none, else the reason. */
-static int ip_end(struct qp *s, struct interior_point *ip, int reason)
+static SELDOM int ip_end(struct qp *s, struct interior_point *ip, int reason)
 {
     if (ip->best.kkt <= CHECK_TOLERANCE)
         return ip_restore(s, &ip->best);

@@ -111,7 +111,7 @@ static double kkt_bounds(const struct qp *restrict s, struct kkt_scale *restrict
             scale->slope += price;
             scale->terms += price;
             negative[kind] = largest(negative[kind], sigma < 0.0 ? sigma : 0.0);
-            gap += fabs(sigma) * (fabs(slack) + (distance < 0.0 ? -distance : 0.0));   /* told, and not told of */
+            gap += fabs(sigma) * (fabs(slack) + (distance < 0.0 ? -distance : 0.0));   /* of the slack, stated and true */
         }
     }
     for (int j = 0; j < NX + NU; ++j)
@@ -152,7 +152,7 @@ static int kkt_check(struct qp *s, int bounded, double *gradient, double (*defec
         worst = largest(worst, feasibility[j] / scale.primal[j]);
         gap += ((N + 1) * feasibility[j] + DBL_EPSILON * scale.primal[j]) * scale.dual[j];
     }
-    gap *= CHECK_TOLERANCE / GAP_TOLERANCE;    /* told as a residual; one that is no number is none that passes */
+    gap *= CHECK_TOLERANCE / GAP_TOLERANCE;   /* as a residual; NaN does not pass */
     const double left = fabs(scale.slope), known = left > DROWNED * ROUNDING * scale.terms ? left : 0.0;
     if (worst <= CHECK_TOLERANCE && !(gap <= CHECK_TOLERANCE * known)) {
         gap /= kkt_cost(s, &scale);

@@ -7,12 +7,13 @@
 #define DRAWBAR_OPTIMISE_H
 
 #include "active_set.h"
+#include "apart.h"
 #include "held_again.h"
 #include "interior_point.h"
 #include "lent.h"
 
 /* Once more where the sweep without bounds was not the answer: damped, from its own start. */
-static int qp_damped(struct qp *s, struct interior_point *ip, int32_t *left, int reason)
+static SELDOM int qp_damped(struct qp *s, struct interior_point *ip, int32_t *left, int reason)
 {
     s->factored = 0;
     if (!ip_damp(s, ip))

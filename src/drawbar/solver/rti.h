@@ -11,6 +11,7 @@
 #ifndef DRAWBAR_RTI_H
 #define DRAWBAR_RTI_H
 
+#include "apart.h"
 #include "lanes.h"
 #include "optimise.h"
 
@@ -71,7 +72,7 @@ static int rti_note_missing(struct rti *s)
     const double *y = &s->y[0][0];
     int changed = 0;
 
-    /* a controller has no measurements, but its first mark tells of other weights */
+    /* a controller has no measurements, but its first mark notes changed weights */
     for (int i = 0; i < (FREE_INITIAL ? (N + 1) * NY : 1); ++i) {
         const uint8_t now = (uint8_t)(FREE_INITIAL && isnan(y[i]));
         changed |= now != s->missing[i];
@@ -89,11 +90,11 @@ static inline void rti_reweighted(struct rti *s)
 /* Whether every weight is zero or more: a problem with others may have no optimum. */
 static int rti_weights_valid(const struct rti *s)
 {
+    const double *w = &s->w[0][0];
     int negative = 0;
 
-    for (int k = 0; k <= N; ++k)
-        for (int i = 0; i < NY; ++i)
-            negative |= !(s->w[k][i] >= 0.0);
+    for (int i = 0; i < (N + 1) * NY; ++i)
+        negative |= !(w[i] >= 0.0);
     return !negative;
 }
 
@@ -122,15 +123,17 @@ static void rti_hessian(struct rti *s)
 /* Linearise along the trajectory. */
 static void rti_linearise(struct rti *s)
 {
+    const double *reached = STATE(s->z, 1);
+    double *c = &s->qp.c[0][0];
+
     if (!s->linearised)
         dynamics(s, 0, N);
     s->linearised = 0;
     if (s->open_end)
         memcpy(STATE(s->z, N), s->qp.c[N - 1], sizeof s->qp.c[N - 1]);
     s->open_end = 0;
-    for (int k = 0; k < N; ++k)
-        for (int i = 0; i < NX; ++i)
-            s->qp.c[k][i] -= STATE(s->z, k + 1)[i];
+    for (int i = 0; i < N * NX; ++i)
+        c[i] -= reached[i];
 }
 
 /* The preparation phase: linearise, factorise for complete measurements as far as known, and for the bounds that are kept. */
@@ -225,7 +228,7 @@ static int rti_feedback(struct rti *s, struct lent *lent)
 
 /* Move the trajectory and the data on by one sample; the last sample's stages are repeated, its states predicted, x_N by
  * prepare or by the next shift. The weights belong to the place in the window, not to the sample, and stay. */
-static void rti_shift(struct rti *s)
+static APART void rti_shift(struct rti *s)
 {
     if (s->open_end) {
         dynamics(s, N - 1, N);

@@ -38,10 +38,10 @@ from drawbar.estimation.settings import (
 )
 from drawbar.estimation.tricycle import TricycleEstimation
 from drawbar.guidance.guidance import look_ahead_unit, preview_unit
-from drawbar.optimal.transcription import ESTIMATION_ITERATIONS, USUAL_HORIZON, control_iterations
+from drawbar.optimal.transcription import ESTIMATION_ITERATIONS, STANDARD_HORIZON, control_iterations
 from drawbar.safety.gate import PATIENCE, gate_unit
+from drawbar.safety.run_monitor import run_monitor_unit
 from drawbar.safety.sanity import sanity_unit
-from drawbar.safety.supervisor import supervisor_unit
 from drawbar.step.autopilot import Autopilot
 from drawbar.step.library import StepLibrary, StepSettings
 from drawbar.vehicle.articulated import articulated
@@ -50,8 +50,8 @@ from drawbar.vehicle.tricycle import tricycle
 ENDURANCE = 3.0
 """For how long the vehicle may be driven on predictions alone, s; a plan that reaches less far shortens it"""
 
-ITERATIONS, USUAL_SAMPLE_TIME = 16, 0.2
-"""Of interior points in a step, where the horizon is a usual one and the sample time no longer than this, s"""
+ITERATIONS, STANDARD_SAMPLE_TIME = 16, 0.2
+"""Of interior points in a step, for a horizon up to the standard one and a sample time up to this, s"""
 SHIFT = 0.1
 """Part of vehicle.curvature_limit and guidance.curvature_rate_limit that a shift to another line takes"""
 
@@ -96,8 +96,8 @@ def _iterations(configuration: Configuration) -> int:
     horizon = configuration.controller.horizon
     if configuration.tube.nominal is Nominal.OPTIMISED:
         return ESTIMATION_ITERATIONS + 2 * control_iterations(horizon)
-    usual = horizon <= USUAL_HORIZON and configuration.sample_time <= USUAL_SAMPLE_TIME
-    return ITERATIONS if usual else control_iterations(horizon)
+    standard = horizon <= STANDARD_HORIZON and configuration.sample_time <= STANDARD_SAMPLE_TIME
+    return ITERATIONS if standard else control_iterations(horizon)
 
 
 def units_of(configuration: Configuration) -> list[Unit]:
@@ -114,7 +114,7 @@ def units_of(configuration: Configuration) -> list[Unit]:
         ancillary_unit("tractor_law", tubes.tractor if tubes else None, vehicle.tractor_steering_limit),
         ancillary_unit("trailer_law", tubes.trailer if tubes else None, vehicle.trailer_steering_limit),
         gate_unit(vehicle, speed_limit=configuration.speed, sample_time=configuration.sample_time),
-        supervisor_unit(configuration.sanity, vehicle),
+        run_monitor_unit(configuration.sanity, vehicle),
         sanity_unit(
             vehicle,
             configuration.sanity,

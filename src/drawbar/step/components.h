@@ -32,7 +32,7 @@ struct component;                          /* another one in each unit */
 int drawbar_alignment_initialise(struct component *component);
 int drawbar_alignment_begin(struct component *component, const struct drawbar_measurement *first,
                             struct drawbar_measurement *aligned);
-void drawbar_alignment_tell(const struct component *component, struct drawbar_actuation *found);
+void drawbar_alignment_report(const struct component *component, struct drawbar_actuation *found);
 int drawbar_alignment_apply(struct component *component, const struct drawbar_measurement *measurement,
                             const struct drawbar_estimate *last, const struct drawbar_estimate *expected,
                             struct drawbar_measurement *aligned);
@@ -52,7 +52,7 @@ int drawbar_actuation_sent(struct component *component, struct drawbar_command *
 int drawbar_actuation_ready(struct component *component);
 int drawbar_actuation_adapt(const struct component *component, const struct drawbar_estimate *then, double *tractor,
                             double *trailer);
-int drawbar_actuation_tell(const struct component *component, struct drawbar_actuation *told);
+int drawbar_actuation_report(const struct component *component, struct drawbar_actuation *report);
 int drawbar_predictor_actuation(struct component *component, const struct drawbar_actuation *known);
 int drawbar_controller_actuation(struct component *component, const struct drawbar_actuation *known);
 int drawbar_tractor_actuation(struct component *component, const struct drawbar_actuation *known);
@@ -62,7 +62,7 @@ int drawbar_predictor_initialise(struct component *component);
 int drawbar_predictor_ahead(struct component *component, const struct drawbar_estimate *now,
                             struct drawbar_estimate *then);
 int drawbar_predictor_measured(struct component *component, const struct drawbar_estimate *last,
-                               struct drawbar_measurement *measurement, struct drawbar_actuation *told);
+                               struct drawbar_measurement *measurement, struct drawbar_actuation *report);
 int drawbar_predictor_sent(struct component *component, const struct drawbar_command *newest,
                            struct drawbar_command *acting);
 
@@ -118,8 +118,8 @@ int drawbar_gate_check(struct component *component, const struct drawbar_command
                        struct drawbar_command *given);
 int drawbar_gate_skip(struct component *component, struct drawbar_command *given);
 
-int drawbar_supervisor_initialise(struct component *component);
-int drawbar_supervisor_watch(struct component *component, const struct drawbar_estimate *estimate,
+int drawbar_run_monitor_initialise(struct component *component);
+int drawbar_run_monitor_watch(struct component *component, const struct drawbar_estimate *estimate,
                              const struct drawbar_body_reference *tractor);
 
 enum { TRACTOR_BODY, TRAILER_BODY, BOTH_BODIES };
@@ -151,7 +151,7 @@ enum { WITH_NOTHING, WITH_ESTIMATE, WITH_REFERENCES, WITH_PLANS };   /* how far 
 /* Everything that one autopilot remembers. */
 struct autopilot {
     uint32_t magic;                        /* INITIALISED */
-    int32_t begun;                         /* the first measurement of the run has been seen */
+    int32_t started;                       /* the run has started: its first measurement is complete */
     int32_t ended;                         /* enum drawbar_status with which the run did, or 0 */
     int32_t called;                        /* drawbar_feedback has been, since drawbar_prepare */
     int32_t due;                           /* and the components have something to prepare */
@@ -189,7 +189,7 @@ struct autopilot {
     MEMORY(tractor_law, DRAWBAR_TRACTOR_LAW_SIZE);
     MEMORY(trailer_law, DRAWBAR_TRAILER_LAW_SIZE);
     MEMORY(gate, DRAWBAR_GATE_SIZE);
-    MEMORY(supervisor, DRAWBAR_SUPERVISOR_SIZE);
+    MEMORY(run_monitor, DRAWBAR_RUN_MONITOR_SIZE);
     MEMORY(sanity, DRAWBAR_SANITY_SIZE);
     MEMORY(work, DRAWBAR_WORK_SIZE);
 #ifdef DRAWBAR_HOSTED

@@ -22,7 +22,7 @@ static int end_run(struct autopilot *a, int32_t status, struct drawbar_command *
 static int repeat_command(struct autopilot *a, int32_t status, struct drawbar_command *command)
 {
     a->diagnostics.gate = drawbar_gate_hold(COMPONENT(a->gate), a->time, command);
-    return a->begun && a->diagnostics.gate == DRAWBAR_GATE_STOPPED ? end_run(a, DRAWBAR_STOPPED, command) : status;
+    return a->started && a->diagnostics.gate == DRAWBAR_GATE_STOPPED ? end_run(a, DRAWBAR_STOPPED, command) : status;
 }
 
 static void initialise_controllers(struct autopilot *a)
@@ -42,7 +42,7 @@ static void initialise_components(struct autopilot *a)
     drawbar_guidance_initialise(COMPONENT(a->guidance));
     drawbar_tractor_law_initialise(COMPONENT(a->tractor_law));
     drawbar_trailer_law_initialise(COMPONENT(a->trailer_law));
-    drawbar_supervisor_initialise(COMPONENT(a->supervisor));
+    drawbar_run_monitor_initialise(COMPONENT(a->run_monitor));
     drawbar_sanity_initialise(COMPONENT(a->sanity));
 #ifdef DRAWBAR_IDENTIFIED
     drawbar_actuation_initialise(COMPONENT(a->actuation));
@@ -72,7 +72,7 @@ static int begin_run(struct autopilot *a, const struct drawbar_measurement *repo
     drawbar_estimator_expected(COMPONENT(a->estimator), &a->made.estimate);
     a->made.estimate.time = first.time;
     pace_begin(a);
-    a->begun = 1;
+    a->started = 1;
     return DRAWBAR_OK;
 }
 
@@ -83,7 +83,7 @@ static int identify(struct autopilot *a, const struct drawbar_measurement *measu
 #ifdef DRAWBAR_IDENTIFIED
     struct drawbar_actuation *const known = &a->known;
     const int ended = drawbar_actuation_measured(COMPONENT(a->actuation), measurement);
-    drawbar_actuation_tell(COMPONENT(a->actuation), known);
+    drawbar_actuation_report(COMPONENT(a->actuation), known);
     drawbar_estimator_actuation(COMPONENT(a->estimator), known);
     drawbar_predictor_actuation(COMPONENT(a->predictor), known);
 #ifdef DRAWBAR_CENTRALISED
@@ -268,7 +268,7 @@ static int drive(struct autopilot *a, int left_out, const struct drawbar_measure
     ended = drawbar_alignment_apply(COMPONENT(a->alignment), measurement, &made->estimate, &expected, &aligned);
     if (ended)
         return end_run(a, ended, command);
-    drawbar_alignment_tell(COMPONENT(a->alignment), &a->known);
+    drawbar_alignment_report(COMPONENT(a->alignment), &a->known);
 #ifdef DRAWBAR_DEAD_TIME
     drawbar_predictor_measured(COMPONENT(a->predictor), &made->estimate, &aligned, &a->known);
 #endif
@@ -282,7 +282,7 @@ static int drive(struct autopilot *a, int left_out, const struct drawbar_measure
     if (d->guidance != DRAWBAR_GUIDANCE_FINE)
         return end_run(a, DRAWBAR_GUIDANCE, command);
     a->reached = WITH_REFERENCES;
-    switch (drawbar_supervisor_watch(COMPONENT(a->supervisor), &made->estimate, &made->references[TRACTOR_BODY])) {
+    switch (drawbar_run_monitor_watch(COMPONENT(a->run_monitor), &made->estimate, &made->references[TRACTOR_BODY])) {
     case OFF_COURSE:
         return end_run(a, DRAWBAR_OFF_COURSE, command);
     case BLIND:
@@ -331,22 +331,22 @@ static int feed_back(struct autopilot *a, const struct drawbar_measurement *meas
     const double elapsed = measurement->time - a->time;
     int left_out = 0;
     struct drawbar_diagnostics *d = &a->diagnostics;
-    struct drawbar_measurement seen;
+    struct drawbar_measurement admitted;
 
     d->flags = 0;
     a->path.offset = &a->offset;           /* set anew, as the caller may have moved the state */
     a->reached = WITH_NOTHING;
     if (a->ended)
         return end_run(a, a->ended, command);
-    if (!isfinite(measurement->time) || (a->begun && !(elapsed > 0.0)))
+    if (!isfinite(measurement->time) || (a->started && !(elapsed > 0.0)))
         return repeat_command(a, DRAWBAR_TIME, command);
     a->time = measurement->time;
-    if (a->begun && elapsed > a->settings.patience + 0.5 * a->settings.sample_time)
+    if (a->started && elapsed > a->settings.patience + 0.5 * a->settings.sample_time)
         return end_run(a, DRAWBAR_GAP, command);
-    d->missing = admit(measurement, &seen);
+    d->missing = admit(measurement, &admitted);
     d->flags |= d->missing ? DRAWBAR_MEASUREMENT : 0;
-    if (!a->begun) {
-        const int status = begin_run(a, &seen);
+    if (!a->started) {
+        const int status = begin_run(a, &admitted);
         if (status != DRAWBAR_OK) {
             d->gate = drawbar_gate_stop(COMPONENT(a->gate), a->time, command);
             return status;
@@ -357,7 +357,7 @@ static int feed_back(struct autopilot *a, const struct drawbar_measurement *meas
     }
     if (drawbar_guidance_finished(COMPONENT(a->guidance), &a->path))
         return end_run(a, DRAWBAR_FINISHED, command);
-    return drive(a, left_out, &seen, command);
+    return drive(a, left_out, &admitted, command);
 }
 
 /* The preparation phase, after the command has been sent. */

@@ -215,7 +215,7 @@ _layout = cache(StepLayout)
 
 
 def _format(cell: Cell, *, read: bool) -> str:
-    """Return what module struct is told of a cell that is read, or else passed over."""
+    """Return the format of a cell for module struct, which reads it or else skips it."""
     return cell.code if read else f"0{cell.code}{max(1, cell.length) * calcsize(cell.code)}x"
 
 

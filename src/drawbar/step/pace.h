@@ -61,8 +61,8 @@ static inline int pace_step(struct autopilot *a, int solved)
     struct drawbar_diagnostics *d = &a->diagnostics;
 
     a->unsolved = solved ? 0.0 : a->unsolved + settings->sample_time;
-    const double doubt = fmax(a->unsolved, a->overdue) / settings->endurance;
-    const double share = clamped((1.0 - doubt) / (1.0 - PACE_KEPT), 0.0, 1.0);
+    const double spent = fmax(a->unsolved, a->overdue) / settings->endurance;
+    const double share = clamped((1.0 - spent) / (1.0 - PACE_KEPT), 0.0, 1.0);
     a->speed = fmin(ramped, share * settings->speed);
     d->speed = a->speed;
     d->unsolved = a->unsolved;

@@ -39,7 +39,7 @@ def reason(status: Status, before: Status, record: StepRecord, autopilot: Autopi
     """Say why a run has ended; `before`: the status of the step before its last."""
     at = f"At {record.measurement.time:.1f} s"
     if status is Status.OFF_COURSE:
-        away, limit = abs(record.reference.tractor.lateral_error), _live(autopilot, "supervisor", "lost")
+        away, limit = abs(record.reference.tractor.lateral_error), _live(autopilot, "run_monitor", "lost")
         return f"{at} the tractor was {away:.2f} m from the path (limit {limit:g} m)."
     if status is Status.BLIND:
         return f"{at} {_without_fixes(autopilot)}"
@@ -63,7 +63,7 @@ def reason(status: Status, before: Status, record: StepRecord, autopilot: Autopi
 def _without_fixes(autopilot: Autopilot) -> str:
     """Say how far the vehicle has gone without a fix, and how far and for how long it may."""
     distance, longest, most = (
-        _live(autopilot, "supervisor", name) for name in ("distance", "blind", "blind_deviation")
+        _live(autopilot, "run_monitor", name) for name in ("distance", "blind", "blind_deviation")
     )
     return (
         f"neither antenna had had a valid fix for {distance:.1f} m; "
@@ -80,8 +80,8 @@ def _not_followed(record: StepRecord, autopilot: Autopilot) -> str:
     """Say which steering does not follow its commands."""
     sensed, angles = record.measurement, []
     for place, body, name in ((0, "tractor", "the front wheels"), (1, "trailer", "the trailer's joint")):
-        stuck = _live(autopilot, "actuation", "stuck_for", place) > 0.0
-        if stuck or _live(autopilot, "actuation", "odd_for", place) > 0.0:
+        stuck = _live(autopilot, "actuation", "stuck_time", place) > 0.0
+        if stuck or _live(autopilot, "actuation", "unexplained_time", place) > 0.0:
             measured, asked = (math.degrees(getattr(each, f"{body}_steering")) for each in (sensed, record.command))
             shows = f"the sensor of {name} shows {'the very same ' if stuck else ''}{measured:.1f}°"
             angles.append(f"{shows}, {asked:.1f}° were commanded")
@@ -95,7 +95,7 @@ def _contradicted(record: StepRecord, autopilot: Autopilot) -> str:
     """Say which of the trailer's angles contradicts the motion: the one that is farther from its estimate."""
     names = {"hitch_angle": "hitch angle", "trailer_steering": "trailer's joint"}
     pairs = {name: [math.degrees(getattr(of, name)) for of in (record.measurement, record.estimate)] for name in names}
-    stuck = _live(autopilot, "sanity", "hitch.stuck") > 0.0
+    stuck = _live(autopilot, "sanity", "hitch.stuck_time") > 0.0
     worst = "hitch_angle" if stuck else max(names, key=lambda name: abs(pairs[name][0] - pairs[name][1]))
     measured, found = pairs[worst]
     why = "it is stuck" if stuck else "it is stuck, has the wrong sign or is off, or a stated length is"
@@ -109,7 +109,7 @@ def _leans_otherwise(record: StepRecord, autopilot: Autopilot) -> str:
     """Say which roll sensor is wrong, and what about it."""
     sensors = []
     for place, body in enumerate(("tractor", "trailer")):
-        doubt = _live(autopilot, "alignment", "positions.leans.doubts", place)
+        doubt = _live(autopilot, "alignment", "positions.leans.faults", place)
         if doubt:
             shown = f"{math.degrees(getattr(record.measurement, f'{body}_roll')):.1f}°"
             wrong = "stands still while it does not" if doubt == _STUCK else "is reversed"

@@ -57,7 +57,7 @@ const char *drawbar_status_text(int status)
     case DRAWBAR_NO_PATH:
         return "wrong call: drawbar_set_path has not been called, or not with success";
     case DRAWBAR_ORDER:
-        return "wrong call: out of order: feedback and prepare alternate, and where a run begins is told before it does";
+        return "wrong call: out of order: feedback and prepare alternate, and a run's start is set before it begins";
     case DRAWBAR_PATH:
         return "wrong call: the path's table is not a smooth path";
     case DRAWBAR_RANGE:
@@ -66,6 +66,8 @@ const char *drawbar_status_text(int status)
         return "wrong call: no run has begun, or it has ended";
     case DRAWBAR_ELSEWHERE:
         return "wrong call: the vehicle is not on the new path at that place, or faces away from it";
+    case DRAWBAR_UNALIGNED:
+        return "wrong call: a pointer is not aligned as a double";
     case DRAWBAR_MEASUREMENT:
         return "a new command; a measured value was infinite or beyond what its sensor can mean, and was taken for missing";
     case DRAWBAR_LATE:

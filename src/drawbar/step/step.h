@@ -10,15 +10,45 @@
 #include "hosted_step.h"
 #endif
 
+#ifdef DRAWBAR_MARK                        /* of this very export: the state of another is none here */
+#define INITIALISED DRAWBAR_MARK
+#else
 #define INITIALISED 0x64726177u            /* "draw" */
+#endif
+
+struct placed_state {
+    char before;
+    struct drawbar_state state;
+};
+
+struct placed_number {
+    char before;
+    double number;
+};
 
 typedef char state_has_room[sizeof(struct autopilot) <= sizeof(struct drawbar_state) ? 1 : -1];
+
+static int is_aligned(const void *pointer, size_t alignment)
+{
+    return (uintptr_t)pointer % alignment == 0;
+}
+
+/* What is wrong with pointers: DRAWBAR_OK where a state and numbers can lie there. Some processors cannot even read others. */
+static int placed(const struct drawbar_state *state, const void *given)
+{
+    if (state == NULL || given == NULL)
+        return DRAWBAR_NULL;
+    return is_aligned(state, offsetof(struct placed_state, state))
+            && is_aligned(given, offsetof(struct placed_number, number)) ? DRAWBAR_OK : DRAWBAR_UNALIGNED;
+}
 
 /* What is wrong with a call: DRAWBAR_OK where the state holds an initialised autopilot and what it needs is given. */
 static int usable(const struct drawbar_state *state, const void *given)
 {
-    if (state == NULL || given == NULL)
-        return DRAWBAR_NULL;
+    const int refused = placed(state, given);
+
+    if (refused)
+        return refused;
     return ((const struct autopilot *)state)->magic == INITIALISED ? DRAWBAR_OK : DRAWBAR_NOT_INITIALISED;
 }
 
@@ -44,9 +74,10 @@ static void forget(struct autopilot *a)
 int drawbar_init(struct drawbar_state *state)
 {
     struct autopilot *a = (struct autopilot *)state;
+    const int refused = placed(state, state);
 
-    if (state == NULL)
-        return DRAWBAR_NULL;
+    if (refused)
+        return refused;
     forget(a);
     a->magic = INITIALISED;
     a->wanted_speed = a->settings.speed;
@@ -73,7 +104,7 @@ int drawbar_set_path(struct drawbar_state *state, const struct drawbar_path_node
     a->path = path;
     follow_path(a);
     a->start = 0.0;
-    a->begun = a->ended = a->called = a->due = 0;
+    a->started = a->ended = a->called = a->due = 0;
     return DRAWBAR_OK;
 }
 
@@ -84,8 +115,8 @@ int drawbar_begin_at(struct drawbar_state *state, double arc_length)
 
     if (refused)
         return refused;
-    if (a->path.count == 0 || a->begun)
-        return a->begun ? DRAWBAR_ORDER : DRAWBAR_NO_PATH;
+    if (a->path.count == 0 || a->started)
+        return a->started ? DRAWBAR_ORDER : DRAWBAR_NO_PATH;
     if (!(arc_length >= 0.0 && arc_length < path_length(&a->path)))
         return DRAWBAR_RANGE;
     a->start = arc_length;
@@ -101,7 +132,7 @@ int drawbar_change_path(struct drawbar_state *state, const struct drawbar_path_n
 
     if (refused)
         return refused;
-    if (!a->begun || a->ended)
+    if (!a->started || a->ended)
         return DRAWBAR_NO_RUN;
     if (path_check(&path) >= 0)
         return DRAWBAR_PATH;
@@ -158,15 +189,15 @@ int drawbar_feedback(struct drawbar_state *state, const struct drawbar_measureme
                      struct drawbar_command *command)
 {
     struct autopilot *a = (struct autopilot *)state;
-    const int refused = usable(state, command);
+    const int refused = usable(state, command), unread = placed(state, measurement);
 
-    if (command == NULL)
-        return DRAWBAR_NULL;
+    if (command == NULL || !is_aligned(command, offsetof(struct placed_number, number)))
+        return command == NULL ? DRAWBAR_NULL : DRAWBAR_UNALIGNED;
     if (refused)
         return stand(command, refused);
-    if (measurement == NULL) {
+    if (unread) {
         drawbar_gate_stand(COMPONENT(a->gate), a->time, command);
-        return DRAWBAR_NULL;
+        return unread;
     }
     if (a->path.count == 0 || a->called) {
         drawbar_gate_stand(COMPONENT(a->gate), a->time, command);

@@ -12,14 +12,14 @@ AngleDeviation = Annotated[PositiveAngle, Field(ge=1e-5)]
 
 
 class FixSettings(Settings):
-    """How far off fixes may be, by what their receivers tell; where they tell nothing it is `sensors.position`."""
+    """Standard deviation of fixes by what their receivers report; without a report it is `sensors.position`."""
 
     age: Annotated[NonNegative, Field(le=1.0)] = 0.0
-    """of a position whose receiver does not tell, s"""
+    """of a position whose receiver reports none, s"""
     floor: Positive = 0.01
-    """no fix is taken to be better than this, whatever its receiver tells, m"""
+    """least standard deviation of a fix, whatever its receiver reports, m"""
     optimism: Annotated[float, Field(ge=1.0)] = 1.5
-    """factor on the standard deviation that a receiver tells"""
+    """factor on the standard deviation that a receiver reports"""
     floating: Positive = 0.4
     """of a fix in RTK float, m"""
     differential: Positive = 0.8
@@ -44,7 +44,7 @@ class SensorNoise(Settings):
     trailer_steering: AngleDeviation = 0.0175
     """delta_i, rad"""
     yaw: AngleDeviation = math.radians(0.5)
-    """of the tractor, where two antennas on it tell it, rad"""
+    """of the tractor, where two antennas on it measure it, rad"""
     yaw_rate: AngleDeviation = math.radians(0.5)
-    """of the tractor, where a sensor tells it: noise, and what its body turns beside what its wheels say, rad/s"""
+    """of the tractor, where a sensor measures it: its noise, and the body's difference from the wheels, rad/s"""
     fixes: FixSettings = FixSettings()

@@ -1,4 +1,4 @@
-"""Fault exclusion: sensors that contradict the motion are left out until the vehicle has been let go of."""
+"""Fault exclusion: sensors that contradict the motion are left out until the steering has been released."""
 
 import math
 from dataclasses import replace

@@ -26,7 +26,7 @@ class Told:
     """Notices with an alignment whose numbers are given."""
 
     def __init__(self):
-        self.numbers = {"yaw.error": np.zeros(1), "yaw_rate.doubted": np.zeros(1)}
+        self.numbers = {"yaw.error": np.zeros(1), "yaw_rate.exclusion": np.zeros(1)}
         live = SimpleNamespace(array=self.numbers.__getitem__)
         self.notices = Notices(
             SimpleNamespace(library=SimpleNamespace(components={"alignment": SimpleNamespace(live=live)}))
@@ -93,7 +93,7 @@ def test_what_is_excluded_is_told(told):
 
 
 def test_a_yaw_rate_that_the_estimator_has_dropped_is_told(told):
-    told.numbers["yaw_rate.doubted"][0] = 59.0
+    told.numbers["yaw_rate.exclusion"][0] = 59.0
     assert told.step() == [Cause.YAW_REJECTED]
 
 

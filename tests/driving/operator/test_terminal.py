@@ -56,7 +56,7 @@ def test_what_the_controller_tells_of_sensors_is_shown_with_what_to_do():
         assert console.file.getvalue().count(line) == 1
 
 
-def test_where_there_is_no_terminal_each_reason_against_engaging_or_to_worry_is_told_once():
+def test_where_there_is_no_terminal_each_reason_against_engaging_or_warning_is_printed_once():
     causes = (Cause.FIX_LOST, Cause.NO_OPERATOR)
     states = [
         dataclasses.replace(
@@ -73,7 +73,7 @@ def test_where_there_is_no_terminal_each_reason_against_engaging_or_to_worry_is_
                 (SupervisorState.READY, ()),
                 (SupervisorState.STANDBY, causes[:1]),
                 (SupervisorState.ACTIVE, ()),
-                (SupervisorState.ACTIVE, (Cause.TOO_SLOW, causes[0])),  # too slow to engage is no worry then
+                (SupervisorState.ACTIVE, (Cause.TOO_SLOW, causes[0])),  # too slow to engage is no warning then
                 (SupervisorState.ACTIVE, causes[:1]),
                 (SupervisorState.FAULT, causes),
             ]

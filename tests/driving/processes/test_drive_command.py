@@ -143,7 +143,7 @@ def test_a_controller_that_is_killed_ends_the_drive_and_the_driver_is_told_to_st
 
 
 @pytest.mark.parametrize("terminal", [[f"--set={change}" for change in PATIENT]], indirect=True)
-def test_receivers_that_are_killed_stop_the_vehicle_before_the_steering_is_let_go_of(terminal, tmp_path):
+def test_receivers_that_are_killed_stop_the_vehicle_before_the_steering_is_released(terminal, tmp_path):
     terminal.await_words("ACTIVE: steering")
     os.kill(terminal.child("receivers_main"), signal.SIGKILL)
     terminal.await_words(LOSSES[RECEIVERS])

@@ -1,4 +1,4 @@
-"""The guard: when the boards are to be let go of because the gate is not heard."""
+"""The guard: when the boards are to be released because the gate is not heard."""
 
 import math
 from dataclasses import fields

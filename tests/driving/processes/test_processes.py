@@ -107,7 +107,7 @@ def test_it_steers_over_sockets_and_leaves_a_log_that_everybody_reads(processes,
     }
 
 
-def test_a_controller_that_is_killed_ends_in_letting_go_and_nothing_steers_again(processes):
+def test_a_controller_that_is_killed_ends_in_a_release_and_nothing_steers_again(processes):
     front = FrontEnd(processes, demonstrates=True)
     watch(front, steers, ENGAGE)
     os.kill(processes.by_name["controller"].pid, signal.SIGKILL)

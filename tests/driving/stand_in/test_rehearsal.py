@@ -299,7 +299,7 @@ def test_the_operator_ends_it(action):
     assert released_after(rehearsal, 12.0) < (12.0 if action is Action.STOP else 0.2)
 
 
-def test_a_board_that_loses_power_is_let_go_of_and_not_engaged_again():
+def test_a_board_that_loses_power_is_released_and_not_engaged_again():
     rehearsal, _ = rehearse()
     drive_until(rehearsal, SupervisorState.ACTIVE)
     rehearsal.machine.boards["trailer"][0].restart(rehearsal.time, outage=0.5)

@@ -96,7 +96,7 @@ def test_a_drive_against_a_stand_in_whose_receivers_and_then_a_board_fall_silent
                 assert front.state.cause == Cause.FIX_LOST.value
                 state = watch(front, lambda front: not front.state.steers, 30.0)
                 assert state.state is SupervisorState.FAULT
-                assert state.cause in (Cause.STEERING_LOST.value, Cause.LET_GO.value, Cause.SILENT.value)
+                assert state.cause in (Cause.STEERING_LOST.value, Cause.ACTUATOR_RELEASED.value, Cause.SILENT.value)
                 assert "front wheels' board says nothing" in words.read_text()
             front.close()
         if begun:

@@ -52,12 +52,12 @@ def test_a_fault_ends_as_expected(experiment: Experiment, analysis: ModuleType, 
     assert expected.holds(figures["response"]), figures
     assert figures["largest"] < (10.0 if figures["response"] == 0 else 160.0)
     if fault.startswith("A5"):
-        assert figures["let go"] < 0.7
-        assert figures["detected"] <= figures["let go"]
+        assert figures["released"] < 0.7
+        assert figures["detected"] <= figures["released"]
 
 
 @pytest.mark.parametrize("case", list(KEPT))
-def test_the_vehicle_stays_near_its_line_until_it_has_been_let_go_of(
+def test_the_vehicle_stays_near_its_line_until_it_is_released(
     experiment: Experiment, analysis: ModuleType, case: str
 ) -> None:
     (expected,) = experiment.expected[case].values()
@@ -98,7 +98,7 @@ def test_figures_are_those_of_the_run_until_it_stands(analysis: ModuleType, make
     figures = analysis.figures(make_result(columns))
     times = {
         "detected": 0.2,
-        "let go": 0.3,
+        "released": 0.3,
         "stands": 0.4,
         "way": 0.3,
         "largest": 20.0,
@@ -107,7 +107,7 @@ def test_figures_are_those_of_the_run_until_it_stands(analysis: ModuleType, make
         "cause": 405.0,
     }
     assert {name: figures[name] for name in times} == pytest.approx(times)
-    columns["watch.state"][:] = active  # the gate is gone, and the boards have let go by themselves
+    columns["watch.state"][:] = active  # the gate is gone, and the boards have released by themselves
     assert analysis.figures(make_result(columns))["steered"] == 2.0
     steady = analysis.figures(make_result(watched(time=[0.1, 0.2], state=[active] * 2, driving=[2.0] * 2)))
     assert steady["response"] == 0.0
@@ -144,7 +144,7 @@ def test_the_report_holds_every_fault_against_its_twin(
     assert "3 of 3 cases as expected" in text.text
     assert isinstance(faults, Table)
     row = faults.rows[1]
-    assert [row[1], row[2], row[-5], row[-3]] == ["lets go", "lets go 1", "0", "10"]
+    assert [row[1], row[2], row[-5], row[-3]] == ["releases", "releases 1", "0", "10"]
     assert isinstance(before, Table)
     assert before.rows == [["S16 fix floats", "never engages", "never engages 1"]]
     assert isinstance(refused, Table)

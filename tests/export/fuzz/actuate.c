@@ -164,7 +164,7 @@ static void promise_output(const struct drawbar_actuate_settings *settings, cons
     PROMISED(status == worst);
 }
 
-/* A fault stays until it was let go. */
+/* A fault stays until the caller has released. */
 static void promise_latched(const struct drawbar_actuate_output *before, const struct drawbar_actuate_output *after)
 {
     for (int i = 0; i < DRAWBAR_ACTUATORS; ++i)

@@ -79,7 +79,7 @@ def test_a_sensor_is_linearised_as_python_does(sensor: Potentiometer | Inductive
         assert made.positions[0] == pytest.approx(read, abs=1e-14, nan_ok=True)
 
 
-def test_an_integral_grows_rests_while_saturated_is_bounded_and_ends_when_let_go() -> None:
+def test_an_integral_grows_rests_while_saturated_is_bounded_and_ends_on_release() -> None:
     loop = LOOP.model_copy(update={"integral": 1.0, "integral_limit": 0.1, "compensation": 0.0})
     low_level = front(loop)
     drives = [each.drives[0] for each in ticks(low_level, replace(GIVEN, steering=(0.02, 0.0)), 400)]
@@ -123,7 +123,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("case", FAULTS)
-def test_a_fault_lets_go_until_the_caller_has_let_go(case: str) -> None:
+def test_a_fault_releases_until_the_caller_has_released(case: str) -> None:
     changes, status = FAULTS[case]
     low_level, given = front(), replace(GIVEN, steering=(0.1, 0.0))
     ticks(low_level, given, 2)

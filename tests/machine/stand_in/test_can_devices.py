@@ -131,7 +131,7 @@ def test_a_minute_at_ten_hertz_without_an_exit() -> None:
         ({"speed": 0.1, "slowest": 0.3}, ExitReason.TOO_SLOW, Readiness.NOT_READY),
     ],
 )
-def test_valve_lets_go_and_is_engaged_again_only_by_a_new_edge(
+def test_valve_releases_and_is_engaged_again_only_by_a_new_edge(
     happen: dict[str, Any], reason: ExitReason, readiness: Readiness
 ) -> None:
     yard = Yard().engaged()
@@ -151,7 +151,7 @@ def test_valve_lets_go_and_is_engaged_again_only_by_a_new_edge(
 
 
 @pytest.mark.parametrize("cut", [False, True])
-def test_valve_lets_go_by_itself_when_commands_stop(cut: bool) -> None:
+def test_valve_releases_by_itself_when_commands_stop(cut: bool) -> None:
     yard = Yard().engaged()
     if cut:
         yard.wire.cut = True
@@ -168,7 +168,7 @@ def test_valve_lets_go_by_itself_when_commands_stop(cut: bool) -> None:
     assert yard.machine.front.engaged
 
 
-def test_silence_of_the_valve_makes_drawbar_let_go() -> None:
+def test_silence_of_the_valve_makes_drawbar_release() -> None:
     yard = Yard().engaged()
     yard.machine.front.silent = True
     yard.run(0.45)
@@ -186,7 +186,7 @@ def test_a_valve_at_its_stop_says_so_and_stays() -> None:
     assert yard.machine.front.curvature == pytest.approx(0.6)
 
 
-def test_a_second_master_makes_the_valve_let_go() -> None:
+def test_a_second_master_makes_the_valve_release() -> None:
     yard = Yard().engaged()
     other = yard.wire.end()
     other.write(CanFrame(0x0CADFF55, bytes.fromhex("807DFDFFFFFFFFFF")))

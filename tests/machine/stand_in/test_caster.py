@@ -9,7 +9,7 @@ import time
 import pytest
 from pyrtcm import RTCMReader
 
-from drawbar.machine.stand_in.caster import Caster, CasterFault, Dialect, empty_corrections
+from drawbar.machine.stand_in.caster import Caster, CasterFault, CasterSettings, Dialect, empty_corrections
 from drawbar.protocols.rtcm import RtcmFramer
 
 FAST = 0.005
@@ -33,7 +33,7 @@ def reply(caster: Caster, sent: bytes, count: int) -> bytes:
 
 
 def test_http_client_reads_what_is_chunked() -> None:
-    with Caster(dialect=Dialect.V2_CHUNKED, interval=FAST) as caster:
+    with Caster(CasterSettings(dialect=Dialect.V2_CHUNKED, interval=FAST)) as caster:
         connection = http.client.HTTPConnection("127.0.0.1", caster.port, timeout=10.0)
         connection.request("GET", "/MP1", headers={"Ntrip-Version": "Ntrip/2.0", "User-Agent": "NTRIP test/1"})
         response = connection.getresponse()
@@ -44,7 +44,7 @@ def test_http_client_reads_what_is_chunked() -> None:
 
 
 def test_chunks_are_cut_inside_frames() -> None:
-    with Caster(dialect=Dialect.V2_CHUNKED, interval=FAST) as caster:
+    with Caster(CasterSettings(dialect=Dialect.V2_CHUNKED, interval=FAST)) as caster:
         body = reply(caster, request(), 250).partition(b"\r\n\r\n")[2]
     size, _, rest = body.partition(b"\r\n")
     assert RtcmFramer().feed(rest[: int(size, 16)]) == [], "the first chunk holds no whole frame"
@@ -62,13 +62,13 @@ def test_chunks_are_cut_inside_frames() -> None:
     ],
 )
 def test_other_dialects_begin_the_stream_behind_their_head(dialect: Dialect, head: bytes) -> None:
-    with Caster(dialect=dialect, interval=FAST) as caster:
+    with Caster(CasterSettings(dialect=dialect, interval=FAST)) as caster:
         assert reply(caster, request(), len(head) + 100) == head + EXPECTED[:100]
 
 
 @pytest.mark.parametrize("dialect", [Dialect.V1, Dialect.V2_PLAIN])
 def test_wrong_mount_gets_the_table(dialect: Dialect) -> None:
-    with Caster(dialect=dialect) as caster:
+    with Caster(CasterSettings(dialect=dialect)) as caster:
         table = reply(caster, request("MP2"), 10000)
     assert table.startswith(b"SOURCETABLE 200 OK\r\n" if dialect is Dialect.V1 else b"HTTP/1.1 200 OK\r\n")
     assert b"\r\n\r\nSTR;MP1;" in table
@@ -78,13 +78,13 @@ def test_wrong_mount_gets_the_table(dialect: Dialect) -> None:
 
 @pytest.mark.parametrize(("login", "code"), [("", b"401"), ("farmer:wrong", b"401"), (LOGIN, b"200")])
 def test_login_is_asked_for(login: str, code: bytes) -> None:
-    with Caster(login=LOGIN, dialect=Dialect.V2_PLAIN) as caster:
+    with Caster(CasterSettings(login=LOGIN, dialect=Dialect.V2_PLAIN)) as caster:
         assert reply(caster, request(login=login), 12) == b"HTTP/1.1 " + code
 
 
 def test_nothing_is_sent_before_a_position_where_one_is_needed() -> None:
     with (
-        Caster(dialect=Dialect.V1, interval=FAST, needs_position=True) as caster,
+        Caster(CasterSettings(dialect=Dialect.V1, interval=FAST, needs_position=True)) as caster,
         socket.create_connection(("127.0.0.1", caster.port), timeout=10.0) as client,
     ):
         client.sendall(request())
@@ -100,7 +100,7 @@ def test_nothing_is_sent_before_a_position_where_one_is_needed() -> None:
 @pytest.mark.parametrize("fault", [CasterFault.CLOSE, CasterFault.STALL])
 def test_fault_comes_after_its_epochs(fault: CasterFault) -> None:
     good = b"".join(map(empty_corrections, range(5)))
-    with Caster(dialect=Dialect.V1, interval=FAST, fault=fault, after=5) as caster:
+    with Caster(CasterSettings(dialect=Dialect.V1, interval=FAST, fault=fault, after=5)) as caster:
         assert reply(caster, request(), 14 + len(good) + (fault is CasterFault.CLOSE))[14:] == good
 
 
@@ -114,7 +114,7 @@ def test_frames_are_what_a_library_takes_them_for() -> None:
 
 
 def test_stop_leaves_no_thread_behind_even_beside_a_silent_client() -> None:
-    caster = Caster()
+    caster = Caster(CasterSettings())
     with socket.create_connection(("127.0.0.1", caster.start()), timeout=10.0):
         time.sleep(0.05)
         caster.stop()

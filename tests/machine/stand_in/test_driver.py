@@ -1,6 +1,6 @@
 """The stand-in's driver: stands while nobody is there who could steer, creeps, drives, stops."""
 
-from drawbar.machine.stand_in.machine import Driver
+from drawbar.machine.stand_in.driver import Driver
 from drawbar.machine.stand_in.world import TICK
 
 SPEED = 1.0

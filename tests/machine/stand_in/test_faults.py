@@ -243,7 +243,7 @@ def test_two_faults_of_the_sensor_board_go_together() -> None:
     assert len(set(pulses)) == 1
 
 
-def test_a_board_that_restarts_is_silent_for_a_while_and_lets_go() -> None:
+def test_a_board_that_restarts_is_silent_for_a_while_and_is_released() -> None:
     machine = machine_of()
     driven(machine, 7.0)
     FAULTS["board-restarts"].begin(machine)

@@ -120,7 +120,7 @@ def test_engages_again_and_again_whenever_it_is_asked(firmware: str) -> None:
         bench.engage()
         bench.ask(steer=False)
         bench.run(1.0)
-    assert not bench.adapter.let_go
+    assert not bench.adapter.releases
 
 
 def test_a_board_that_falls_silent_is_no_longer_ready(firmware: str) -> None:

@@ -16,7 +16,7 @@ from drawbar.protocols.agopengps.steering import SteerCommand, decode_steer
 FLOATS = st.floats(allow_nan=True, allow_infinity=True)
 ANGLES = st.one_of(st.floats(-0.5, 0.5), st.sampled_from([math.nan, math.inf, 1e300]))
 SPEEDS = st.one_of(st.floats(-6.0, 6.0), st.sampled_from([math.nan, -math.inf, 7.5, 1e300]))
-LET_GO_TIME = 0.026
+RELEASE_TIME = 0.026
 """of a board that hears status 0, s"""
 
 
@@ -30,7 +30,7 @@ class AnySequence(RuleBasedStateMachine):
         self.bench = Bench(self.firmware)
         self.seen = 0
         self.edge_open = False
-        """a request has risen since the last let-go, and status 1 may be sent for it"""
+        """a request has risen since the last release, and status 1 may be sent for it"""
         self.taken_over = False
         self.asked = False
         self.quiet_since = -math.inf
@@ -54,7 +54,7 @@ class AnySequence(RuleBasedStateMachine):
                 assert abs(command.angle) <= math.radians(35.01)
                 assert abs(command.speed) <= 25.05 / 3.6
             else:
-                self.edge_open = False  # whatever let go, only a new edge may steer
+                self.edge_open = False  # whatever released, only a new edge may steer
         self.seen = len(bench.sent)
 
     def ticks(self, count: int) -> None:
@@ -132,10 +132,10 @@ class AnySequence(RuleBasedStateMachine):
             self.ticks(1)
 
     @rule()
-    def letting_go_stops_the_motor(self) -> None:
+    def a_release_stops_the_motor(self) -> None:
         self.bench.ask(steer=False)
         self.ticks(1)
-        self.bench.carry(self.bench.board.advance(self.bench.time + 0.001 + LET_GO_TIME))
+        self.bench.carry(self.bench.board.advance(self.bench.time + 0.001 + RELEASE_TIME))
         assert not self.bench.board.driving
         self.bench.ticks += 1
 

@@ -53,7 +53,7 @@ ENDINGS = [
 
 
 def latched_off(bench: Bench) -> None:
-    """Nothing but "not intended" goes out until the gate has let go, and then it steers again."""
+    """Nothing but "not intended" goes out until the gate has released, and then it steers again."""
     assert {what for _, what in bench.run(2.0, steer=True)} <= {OFF}
     bench.run(0.3)
     bench.run(1.5)
@@ -224,13 +224,13 @@ def test_an_angle_that_cannot_be_said_ends_steering(angle: float) -> None:
     latched_off(bench)
 
 
-def test_an_angle_that_cannot_be_said_does_not_matter_while_it_is_let_go() -> None:
+def test_an_angle_that_cannot_be_said_does_not_matter_while_it_is_released() -> None:
     bench = Bench().engage()
     assert {what for _, what in bench.run(1.0, angle=math.nan)} == {OFF}
     assert {what for _, what in bench.run(0.5, steer=True)} == {ON}
 
 
-def test_letting_go_is_said_at_once_and_the_period_begins_anew() -> None:
+def test_a_release_is_said_at_once_and_the_period_begins_anew() -> None:
     bench = Bench().engage()
     while not bench.tick(steer=True):
         pass

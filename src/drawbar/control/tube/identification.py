@@ -2,7 +2,7 @@
 
 The one-step error of the nominal model, r = e^+ - (A e^) - B (u - ū), is G w + eps+ - A eps (without A e^ where the
 nominal state starts at the estimate). Where the truth is known, so is eps, and as many disturbances as there are states
-explain the rest. On a real machine the parts cannot be told apart, and all of r is the increment of the estimate.
+explain the rest. On a real machine the parts cannot be separated, and all of r is the increment of the estimate.
 """
 
 from dataclasses import dataclass

@@ -1,6 +1,6 @@
 """The tubes of both bodies: gain, invariant set, and what it leaves of every bound.
 
-The vehicle is at x, believed at x^ = x + eps, and nominally at x̄; the law u = ū + K (x^ - x̄) acts on what is believed.
+The vehicle is at x, estimated at x^ = x + eps, and nominally at x̄; the law u = ū + K (x^ - x̄) acts on the estimate.
 Which error is invariant depends on what the nominal state is:
 
     propagated   e = x - x̄:    e+  = (A + B K) e + G w + B K eps             (Mayne 2004)

@@ -1,46 +1,43 @@
-"""Antennas apart: both antennas are not where the chain of both bodies has them, one more to the left than the other.
+"""Antennas apart: the difference of both antennas' lateral residuals from the chain of both bodies.
 
-An estimate that follows a drift of one antenna makes up for it by crab angles and yaws, but not for all of it: the
-antenna that is right then stands aside of where it is estimated. Wheels and angles tell that within seconds, without
-any velocity, whose direction lags in a curve. On rough ground, and where a mast leans that has no sensor, antennas
-are apart by more.
+An estimate that follows a drift of one antenna absorbs it in crab angles and yaws, but not all of it: the correct
+antenna then has a lateral residual. Wheels and angles show that within seconds, without any velocity, whose direction
+lags in a curve. The residual is larger on rough ground, and by masts that lean without an attitude sensor.
 """
 
 import math
 from collections import deque
 from statistics import fmean
 
-from drawbar.driving.fault_detection.running_rms import RunningRms
+from drawbar.driving.fault_detection.running_rms import MOVES, RunningRms
 from drawbar.geometry import arm_offset
 from drawbar.signals import Pose, SolverStatus, StepRecord
 from drawbar.vehicle.parameters import Mast, Masts
 
 _SPAN = 1.6
-"""over which it is averaged, s"""
+"""that the mean covers, s"""
 _HELD = 2.0
-"""for which the most counts: where a curve begins it shows less for a while, s"""
-_LEAST, _USUAL = 0.06, 4.0
-"""m, and times the usual: farther apart is a contradiction"""
-_FIRST, _FIRST_TIME = 0.015, 5.0
-"""what is usual before anything is known of ground and masts, and the time for which that counts: m, s"""
-_LEARNED = 0.5
-"""share of the limit that counts as usual at most"""
-_MOVES = 0.1
-"""speed below which nothing is learned, m/s"""
+"""for which the largest is held: it falls for a while where a curve begins, s"""
+_LEAST, _FACTOR = 0.06, 4.0
+"""m, and root mean squares: a larger difference is a contradiction"""
+_PRIOR, _PRIOR_TIME = 0.015, 5.0
+"""prior root mean square and its weight: m, s"""
+_CLIP = 0.5
+"""share of the limit at which a difference is clipped in the root mean square"""
 
 
 class AntennasApart:
-    """How far apart the last samples have both antennas."""
+    """Difference of both lateral residuals over the last samples."""
 
     def __init__(self, masts: Masts, sample_time: float) -> None:
         """Begin without a sample; `sample_time` in s."""
         self._masts = masts
-        self._lately = deque[float](maxlen=max(round(_SPAN / sample_time), 1))
+        self._recent = deque[float](maxlen=max(round(_SPAN / sample_time), 1))
         self._shares = deque[float](maxlen=max(round(_HELD / sample_time), 1))
-        self._rms = RunningRms(sample_time, first=_FIRST, first_time=_FIRST_TIME)
+        self._rms = RunningRms(sample_time, prior=_PRIOR, prior_time=_PRIOR_TIME)
 
     def update(self, record: StepRecord) -> float:
-        """Take in a step.
+        """Update with a step.
 
         Returns:
             How far the tractor's was more to the left than the trailer's at most, now or a moment ago, as a share of
@@ -50,15 +47,15 @@ class AntennasApart:
         tractor = _left(m.tractor_x, m.tractor_y, found.tractor, self._masts.tractor, m.tractor_roll, m.tractor_pitch)
         trailer = _left(m.trailer_x, m.trailer_y, found.trailer, self._masts.trailer, m.trailer_roll, m.trailer_pitch)
         if found.status is not SolverStatus.SOLVED or not math.isfinite(tractor + trailer):
-            self._lately.clear()
+            self._recent.clear()
             self._shares.clear()
             return 0.0
-        self._lately.append(tractor - trailer)
-        if len(self._lately) < (self._lately.maxlen or 0):
+        self._recent.append(tractor - trailer)
+        if len(self._recent) < (self._recent.maxlen or 0):
             return 0.0
-        apart, limit = fmean(self._lately), max(_LEAST, _USUAL * self._rms.value)
-        if abs(m.speed) >= _MOVES:
-            self._rms.add(min(abs(apart), _LEARNED * limit))
+        apart, limit = fmean(self._recent), max(_LEAST, _FACTOR * self._rms.value)
+        if abs(m.speed) >= MOVES:
+            self._rms.add(min(abs(apart), _CLIP * limit))
         self._shares.append(apart / limit)
         return max(self._shares, key=abs)
 

@@ -1,7 +1,7 @@
-"""Notices: what there is to tell the operator of sensors, each a cause with its code, sentence and advice.
+"""Notices: faults of sensors for the operator, each a cause with its code, sentence and advice.
 
-The gate decides by what is left of the measurements, and tells that a position is not known well enough; which sensor
-has been left out for what, it does not know. A notice stays until the operator has acknowledged the stop that it led
+The gate decides by the remaining measurements, and reports that a position is not known well enough, not which sensor
+has been left out, or why. A notice stays until the operator has acknowledged the stop that it led
 to.
 """
 
@@ -20,7 +20,7 @@ from drawbar.step.autopilot import Autopilot
 MOST = 8
 """that a record holds"""
 _SILENT = 0.5
-"""after which what was heard before is told to be silent, s: single epochs are lost by radio"""
+"""after which a receiver or sensor is reported silent, s: single epochs are lost by radio"""
 _KEPT = frozenset(
     {
         SupervisorState.ENGAGING,
@@ -33,7 +33,7 @@ _KEPT = frozenset(
         SupervisorState.ESTOP,
     }
 )
-"""states in which what has been told stays"""
+"""states in which notices stay"""
 
 
 @dataclass(slots=True)
@@ -65,7 +65,7 @@ class _Row:
 
 @dataclass(slots=True)
 class _Rejections:
-    """Positions of one antenna alone, and yaws, that were not believed."""
+    """Rejected positions of one antenna alone, and rejected yaws."""
 
     tractor: _Row = field(default_factory=_Row)
     trailer: _Row = field(default_factory=_Row)
@@ -73,21 +73,21 @@ class _Rejections:
 
 
 class Notices:
-    """What the last epochs and samples said."""
+    """Faults of sensors over the last epochs and samples."""
 
     def __init__(self, autopilot: Autopilot) -> None:
-        """Begin with nothing to tell; what the autopilot believes of the tractor's yaw is asked of it."""
+        """Begin without notices; errors of the yaw sensors are read from the autopilot."""
         self._alignment = autopilot.library.components["alignment"].live
         self._receivers = (_Heard(), _Heard())
         self._sensors = (_Heard(), _Heard())
         self._rejections = _Rejections()
-        self._told: dict[Cause, None] = {}
+        self._reported: dict[Cause, None] = {}
         self._stays = False
 
     @property
     def codes(self) -> tuple[int, ...]:
-        """Codes of what there is to tell, the oldest first, then zeros; as many as a record holds."""
-        codes = [cause.value for cause in self._told][:MOST]
+        """Codes of the notices, the oldest first, then zeros; as many as a record holds."""
+        codes = [cause.value for cause in self._reported][:MOST]
         return (*codes, *[0] * (MOST - len(codes)))
 
     def hear(self, state: GateState) -> None:
@@ -97,8 +97,8 @@ class Notices:
     def hear_fixes(self, fixes: Fixes) -> None:
         """Take in an epoch."""
         time = seconds(fixes.epoch)
-        for heard, told in zip(self._receivers, (fixes.tractor_heard, fixes.trailer_heard), strict=True):
-            heard.update(time, heard=bool(told))
+        for heard, newest in zip(self._receivers, (fixes.tractor_heard, fixes.trailer_heard), strict=True):
+            heard.update(time, heard=bool(newest))
         for heard, value in zip(self._sensors, (fixes.hitch_angle, fixes.wheel_speed), strict=True):
             heard.update(time, heard=math.isfinite(value))
 
@@ -111,24 +111,24 @@ class Notices:
         rejections.trailer.update(holds=alone and fixes[1] is FixStatus.REJECTED)
         rejections.yaw.update(holds=self._yaw_is_far(record))
         present = dict.fromkeys(self._present(exclusion, drifts=drifts))
-        self._told = (self._told | present) if self._stays else present
+        self._reported = (self._reported | present) if self._stays else present
 
     def _present(self, exclusion: FaultExclusion, *, drifts: bool) -> Iterator[Cause]:
         if any(each.is_silent for each in self._receivers):
             yield Cause.RECEIVER_SILENT
         if any(each.is_silent for each in self._sensors):
             yield Cause.SENSOR_SILENT
-        drifts |= self._stays and Cause.POSITIONS_DRIFT in self._told
+        drifts |= self._stays and Cause.POSITIONS_DRIFT in self._reported
         if exclusion.excludes_positions:
             yield Cause.POSITIONS_DRIFT if drifts else Cause.POSITIONS_JUMPED
         if self._rejections.tractor.is_confirmed or self._rejections.trailer.is_confirmed:
             yield Cause.POSITION_REJECTED
         if exclusion.excludes_trailer and not drifts:  # an estimate that has followed positions contradicts it, too
             yield Cause.TRAILER_CONTRADICTS
-        if self._rejections.yaw.is_confirmed or self._alignment.array("yaw_rate.doubted")[0] > 0.0:
+        if self._rejections.yaw.is_confirmed or self._alignment.array("yaw_rate.exclusion")[0] > 0.0:
             yield Cause.YAW_REJECTED
 
     def _yaw_is_far(self, record: StepRecord) -> bool:
-        """Return whether the tractor's yaw by two antennas is too far from the estimate to be believed."""
-        told = record.measurement.tractor_yaw + float(self._alignment.array("yaw.error")[0])
-        return math.isfinite(told) and abs(wrap(told - record.estimate.tractor.yaw)) > YAW_GATE
+        """Return whether the tractor's yaw by two antennas is outside its gate."""
+        yaw = record.measurement.tractor_yaw + float(self._alignment.array("yaw.error")[0])
+        return math.isfinite(yaw) and abs(wrap(yaw - record.estimate.tractor.yaw)) > YAW_GATE

@@ -12,7 +12,7 @@ both bodies has them (antennas_apart.py), and less is enough, also what one goes
 both receivers have shows in both.
 
 A jump beside the velocity by half a metre from one epoch to the next is none for the estimate to follow: it rejects
-it. But it tells that the positions are wrong, whatever else contradicts the estimate.
+it. But it shows that the positions are wrong, whatever else contradicts the estimate.
 
 Until a drift is seen the estimate follows it, yaws and crab angles included. From then on the velocities' integral
 takes the place of the positions, from where the antennas were before (driving/loop/controller.py).
@@ -28,12 +28,12 @@ from drawbar.signals import FixQuality, Measurement
 
 _WINDOW = 2.0
 """over which both ways are compared, s"""
-_RECENT = 1.0
-"""for which a jump is told, s"""
+_JUMP_TIME = 1.0
+"""for which a jump is reported, s"""
 _LONG = 8.0
 """over which a slow drift is looked for, s"""
-_LATELY = 1.0
-"""over which that is averaged, s"""
+_MEAN_TIME = 1.0
+"""that its mean covers, s"""
 _ASIDE, _SHARE = 0.15, 0.03
 """m, and of the way; both antennas' mean farther aside is a contradiction"""
 _EACH = 0.65
@@ -43,9 +43,9 @@ _ALONE = 1.4
 _SLOWLY, _SLOW_SHARE = 0.20, 0.01
 """m, and of the way: the same over the longer time, in which noise counts less"""
 _LONE, _APART = 1.5, 0.9
-"""of that, by which one is aside alone; that is apart of the other, too"""
+"""of that, by which one is aside alone; that is apart from the other, too"""
 _AHEAD = 0.15
-"""of the way, by which positions may be ahead of the velocities, or behind; more tells of speeds in a wrong unit"""
+"""of the way, by which positions may be ahead of the velocities, or behind; more means speeds in a wrong unit"""
 _LAG, _LATE_LAG = 0.15, 0.3
 """by which a receiver's filter lets the velocity's direction lag in a curve at most, s; over the longer time, in which
 a lag counts more than noise"""
@@ -59,7 +59,7 @@ class _Antenna:
     def __init__(self) -> None:
         self._window, self._long = Window(_WINDOW), Window(_LONG)
         self._lag, self._late_lag = Lag(_WINDOW, _LAG), Lag(_LONG, _LATE_LAG)
-        self._lately = deque[tuple[float, Aside]]()
+        self._recent = deque[tuple[float, Aside]]()
         """times, s, and how far aside it was over the longer time"""
         self._right: Place | None = None
         self._before: Place | None = None
@@ -73,7 +73,7 @@ class _Antenna:
 
     @property
     def is_known(self) -> bool:
-        """Whether the newest epoch has told its place."""
+        """Whether the newest epoch has its position."""
         return self._window.newest is not None
 
     @property
@@ -82,16 +82,16 @@ class _Antenna:
         return self._late_lag.longest
 
     @property
-    def lately(self) -> Aside | None:
-        """How far it was aside over the longer time, on average lately; None where that is not known."""
-        if not self._lately or self._lately[-1][0] - self._lately[0][0] < _LATELY - SAME:
+    def recent(self) -> Aside | None:
+        """How far it was aside over the longer time, mean of the last epochs; None where unknown."""
+        if not self._recent or self._recent[-1][0] - self._recent[0][0] < _MEAN_TIME - SAME:
             return None
-        return mean_of([aside for _, aside in self._lately])
+        return mean_of([aside for _, aside in self._recent])
 
     @property
     def slowly(self) -> float:
         """The same to the left, as `add` returns it."""
-        return math.nan if (aside := self.lately) is None else _slow_share(aside, self.late_lag)
+        return math.nan if (aside := self.recent) is None else _slow_share(aside, self.late_lag)
 
     def begin_dead_reckoning(self, *, slowly: bool) -> None:
         """Hold to the oldest place, of the longer time where it drifts slowly."""
@@ -126,7 +126,7 @@ class _Antenna:
         self._long.add(place)
         aside = self._window.aside(self._window.way)
         if aside is None:
-            self._lately.clear()
+            self._recent.clear()
             return math.nan
         self._look_long(time, fits=abs(aside.ahead) <= max(_SLOWLY, _AHEAD * aside.way))
         return self._look(time, aside)
@@ -134,7 +134,7 @@ class _Antenna:
     def _begin_anew(self) -> None:
         self._window.clear()
         self._long.clear()
-        self._lately.clear()
+        self._recent.clear()
         self._right = None
 
     def _jump(self, last: Place, time: float, x: float, y: float) -> None:
@@ -162,11 +162,11 @@ class _Antenna:
         """Look at the longer time, if the speeds fit the way of the shorter one."""
         aside = self._long.aside(self._window.way)
         if aside is None or not fits:
-            self._lately.clear()
+            self._recent.clear()
             return
-        self._lately.append((time, aside))
-        while time - self._lately[0][0] > _LATELY + SAME:
-            self._lately.popleft()
+        self._recent.append((time, aside))
+        while time - self._recent[0][0] > _MEAN_TIME + SAME:
+            self._recent.popleft()
 
 
 class PositionDrift:
@@ -186,7 +186,7 @@ class PositionDrift:
         return any(each.is_known and self._is_recent(each.jumped) for each in (tractor, trailer))
 
     def _is_recent(self, jumped: float) -> bool:
-        return self._time - jumped <= _RECENT
+        return self._time - jumped <= _JUMP_TIME
 
     @property
     def exists(self) -> bool:
@@ -194,14 +194,14 @@ class PositionDrift:
         return self._contradictions >= _CONTRADICTIONS
 
     def drifts_slowly(self, *, tractor: bool, trailer: bool, apart: float = 0.0) -> bool:
-        """Return whether both antennas go aside slowly, or one that the estimate believes.
+        """Return whether both antennas go aside slowly, or one that the estimate accepts.
 
-        Where it does not believe the other, although that goes along with its velocities, less is enough; still less
-        where the antennas are apart.
+        Where it rejects the other, although that agrees with its velocities, less is enough; still less where the
+        antennas are apart.
 
         Args:
-            tractor: it believes the tractor's.
-            trailer: it believes the trailer's.
+            tractor: it accepts the tractor's.
+            trailer: it accepts the trailer's.
             apart: how far the tractor's is to the left of the trailer's, see antennas_apart.py.
         """
         one, other = self._tractor.slowly, self._trailer.slowly
@@ -211,19 +211,19 @@ class PositionDrift:
         return tractor_strays or trailer_strays or apart_strays or _agree(one, other)
 
     def _strays(self, side: float, *, tractor: bool, trailer: bool) -> bool:
-        """Return whether a believed antenna is aside to the side to which it is apart: 1, the tractor's to the left.
+        """Return whether an accepted antenna is aside to the side to which it is apart: 1, the tractor's to the left.
 
         A lag explains it where both may have it, not where one is farther aside than the other.
         """
-        one, other = self._tractor.lately, self._trailer.lately
+        one, other = self._tractor.recent, self._trailer.recent
         if one is None or other is None:
             return False
         lag = max(self._tractor.late_lag, self._trailer.late_lag)
         differ = side * _slow_share(one.beyond(other), lag) > 1.0
         sides = ((tractor, side, self._tractor, one), (trailer, -side, self._trailer, other))
         return any(
-            believed and own * _slow_share(aside, 0.0) > _APART and (differ or own * antenna.slowly > _APART)
-            for believed, own, antenna, aside in sides
+            accepted and own * _slow_share(aside, 0.0) > _APART and (differ or own * antenna.slowly > _APART)
+            for accepted, own, antenna, aside in sides
         )
 
     def begin_dead_reckoning(self) -> None:

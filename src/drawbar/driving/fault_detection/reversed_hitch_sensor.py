@@ -1,10 +1,10 @@
-"""Reversed hitch sensor: one that says the opposite of what the motion makes of the hitch angle.
+"""Reversed hitch sensor: one whose angle is the negative of the one that the motion implies.
 
-An estimate does not show it soon: yaws and crab angles bend until a reversed angle fits. So the angle is computed from
-the motion of wheels and joint alone, which it follows by itself, whatever it began with: the trailer is drawn. Beside
-a sensor that is right this angle errs by crab angles that are not known, a few degrees for long on rough ground, too
-many for a limit. But two hypotheses compete: measured = +computed and measured = -computed. Their mean squared
-residuals differ by four times the mean of measured times computed, which for a right sensor is hardly ever negative.
+The estimate absorbs a reversed angle in yaws and crab angles at first. So the hitch angle is simulated from wheels and
+joint alone: a drawn trailer is stable, so the initial error decays. Its error by unknown crab angles, a few degrees for
+long on rough ground, is too large for a limit on the residual. But two hypotheses compete: measured = +simulated and
+measured = -simulated. Their mean squared residuals differ by four times the mean of measured times simulated, which is
+rarely negative with a correct sensor.
 """
 
 import math
@@ -12,7 +12,7 @@ from collections import deque
 from dataclasses import fields
 from statistics import fmean
 
-from drawbar.driving.fault_detection.running_rms import RunningRms
+from drawbar.driving.fault_detection.running_rms import MOVES, RunningRms
 from drawbar.geometry import wrap
 from drawbar.signals import Measurement, StepRecord
 from drawbar.vehicle.articulated import tractor_rates, trailer_yaw_rate
@@ -21,49 +21,47 @@ from drawbar.vehicle.parameters import VehicleParameters
 
 _SPAN = 0.6
 """over which the hypotheses are compared, s"""
-_OPPOSITE, _USUAL = math.radians(2.5), 2.2
-"""root of a quarter of the difference of their mean squares, from which on the sensor is reversed: rad, and times the
-usual residual of the better one"""
+_LIMIT, _FACTOR = math.radians(2.5), 2.2
+"""root of a quarter of the difference of their mean squares, beyond which the sensor is reversed: rad, and root mean
+squares of the residual of the better one"""
 _SINGLE = 0.9
-"""share of that limit to which one sample brings the mean at most: it may be a false one"""
-_MOST = math.radians(12.0)
-"""no residual counts more in it, rad"""
-_MOVES = 0.1
-"""speed below which it begins anew, m/s"""
+"""largest share of that limit by one sample, which may be false"""
+_CLIP = math.radians(12.0)
+"""at which a residual is clipped, rad"""
 
 
 class ReversedHitchSensor:
-    """What the last samples said of the hitch's sensor."""
+    """Comparison of both hypotheses over the last samples."""
 
     def __init__(self, vehicle: VehicleParameters, sample_time: float) -> None:
         """Begin without a sample; `sample_time` in s."""
         self._lengths = Lengths(**{each.name: getattr(vehicle, each.name) for each in fields(Lengths)})
         self._sample_time = sample_time
         self._last: Measurement | None = None
-        self._gamma = 0.0  # tractor yaw minus trailer yaw, by the motion, rad
-        self._products = deque[float](maxlen=max(round(_SPAN / sample_time), 1))  # measured times computed, rad²
+        self._gamma = 0.0  # tractor yaw minus trailer yaw, simulated, rad
+        self._products = deque[float](maxlen=max(round(_SPAN / sample_time), 1))  # measured times simulated, rad²
         self._rms = RunningRms(sample_time)  # residual, rad
 
     def update(self, record: StepRecord) -> bool:
-        """Take in a step; return whether the sensor is reversed."""
+        """Update with a step; return whether the sensor is reversed."""
         measured, last = record.measurement, self._last
         self._last = measured
-        if not self._follow(record, last):
+        if not self._simulate(record, last):
             self._gamma = measured.hitch_angle + measured.trailer_steering
             self._products.clear()
             return False
-        computed = self._gamma - measured.trailer_steering
+        simulated = self._gamma - measured.trailer_steering
         if math.isfinite(measured.hitch_angle):
-            self._products.append(measured.hitch_angle * computed)
-            residuals = (abs(wrap(measured.hitch_angle - sign * computed)) for sign in (1.0, -1.0))
-            self._rms.add(min(*residuals, _MOST))
+            self._products.append(measured.hitch_angle * simulated)
+            residuals = (abs(wrap(measured.hitch_angle - sign * simulated)) for sign in (1.0, -1.0))
+            self._rms.add(min(*residuals, _CLIP))
         full = len(self._products) == self._products.maxlen
-        limit = max(_OPPOSITE, _USUAL * self._rms.value)
+        limit = max(_LIMIT, _FACTOR * self._rms.value)
         least = -_SINGLE * len(self._products) * limit**2
         return full and fmean(max(each, least) for each in self._products) < -(limit**2)
 
-    def _follow(self, record: StepRecord, last: Measurement | None) -> bool:
-        """Let the angle follow the motion since the last sample; return whether all of it is known."""
+    def _simulate(self, record: StepRecord, last: Measurement | None) -> bool:
+        """Simulate the angle since the last sample; return whether all inputs were known."""
         if last is None or not math.isfinite(self._gamma):
             return False
         now, found = record.measurement, record.estimate
@@ -80,7 +78,7 @@ class ReversedHitchSensor:
 
         middle = self._gamma + 0.5 * self._sample_time * rate(self._gamma)
         gamma = self._gamma + self._sample_time * rate(middle)
-        if not (math.isfinite(gamma) and min(now.speed, last.speed) >= _MOVES):
+        if not (math.isfinite(gamma) and min(now.speed, last.speed) >= MOVES):
             return False
         self._gamma = wrap(gamma)
         return True

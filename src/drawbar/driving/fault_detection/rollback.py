@@ -1,9 +1,9 @@
-"""Rollback: the last seconds are computed again without what has turned out to be wrong.
+"""Rollback: the last seconds are computed again without an excluded sensor.
 
-A wrong sensor bends the estimate before it is seen, and a bent one takes seconds to straighten, in which the vehicle is
-steered beside its line. So what the autopilot remembered at each of the last samples is kept, and from the oldest on it
-is given the same measurements again, without what is excluded. What moved the steerings are the commands that were sent
-then, whatever would have been commanded otherwise: an estimate that took that for sent would be astray by it.
+A wrong sensor corrupts the estimate before it is detected, and that takes seconds to converge again, in which the
+vehicle is steered beside its line. So the autopilot's state at each of the last samples is kept, and from the oldest on
+the same measurements are processed again, without the excluded ones. The steerings followed the commands that were sent
+then, so the recomputation uses those, not the ones that it would send itself.
 """
 
 from collections import deque
@@ -32,11 +32,11 @@ class Rollback:
         return status, command
 
     def clear(self) -> None:
-        """Forget: the autopilot was told something else than measurements."""
+        """Forget all samples: the autopilot was given something else than measurements."""
         self._samples.clear()
 
     def recompute(self, change: Callable[[Measurement], Measurement]) -> tuple[Status, Command] | None:
-        """Let the autopilot take in what becomes of the kept measurements, once, in the place of what it was given.
+        """Process the kept measurements again, each changed by a function.
 
         Returns:
             Its answer to the newest, which is a new one, to be sent at once; None where none is kept.

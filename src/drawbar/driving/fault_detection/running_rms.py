@@ -1,36 +1,38 @@
-"""Running RMS of a residual, up to a second ago: what a fault has done to it since does not count yet."""
+"""Running RMS of a residual, delayed by a second: a fault that is detected within that time does not raise it."""
 
 import math
 from collections import deque
 
-_LATELY = 30.0
-"""over which it is averaged, s"""
-_BEFORE = 1.0
+MOVES = 0.1
+"""speed from which on residuals represent the ground, m/s"""
+TIME_CONSTANT = 30.0
+"""s"""
+_DELAY = 1.0
 """s"""
 
 
 class RunningRms:
-    """Root mean square of what is given sample by sample, over about half a minute."""
+    """Root mean square of samples with exponential forgetting."""
 
-    def __init__(self, sample_time: float, *, first: float = 0.0, first_time: float = 0.0) -> None:
-        """Begin with what holds before anything is known.
+    def __init__(self, sample_time: float, *, prior: float = 0.0, prior_time: float = 0.0) -> None:
+        """Begin with a prior.
 
         Args:
             sample_time: s.
-            first: value, in the unit of what is given.
-            first_time: for which it counts, s.
+            prior: value, in the unit of the samples.
+            prior_time: its weight, s.
         """
-        self._share, self._known, self._square = sample_time / _LATELY, first_time / sample_time, first**2
-        self._newest = deque[float](maxlen=max(round(_BEFORE / sample_time), 1))
+        self._share, self._weight, self._square = sample_time / TIME_CONSTANT, prior_time / sample_time, prior**2
+        self._newest = deque[float](maxlen=max(round(_DELAY / sample_time), 1))
 
     @property
     def value(self) -> float:
-        """In the unit of what is given."""
+        """In the unit of the samples."""
         return math.sqrt(self._square)
 
     def add(self, value: float) -> None:
-        """Take in a sample."""
+        """Add a sample."""
         self._newest.append(value)
         if len(self._newest) == self._newest.maxlen:
-            self._known += 1.0
-            self._square += max(self._share, 1.0 / self._known) * (self._newest[0] ** 2 - self._square)
+            self._weight += 1.0
+            self._square += max(self._share, 1.0 / self._weight) * (self._newest[0] ** 2 - self._square)

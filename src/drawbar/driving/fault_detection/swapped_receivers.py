@@ -1,7 +1,7 @@
 """Swapped receivers: the trailer's antenna moves ahead of the tractor's.
 
-Seen from the direction of the motion alone, so not before the vehicle moves, and neither told from one that rolls
-backwards: both have an end when it drives forwards, or the receivers are exchanged.
+Detected by the direction of the motion alone, so not before the vehicle moves, and indistinguishable from rolling
+backwards: both end when it drives forwards, or the receivers are exchanged.
 """
 
 import math
@@ -16,7 +16,7 @@ _EPOCHS = 2
 
 
 class SwappedReceivers:
-    """What the last epochs said; kept while nothing moves."""
+    """Direction of the motion over the last epochs; kept while nothing moves."""
 
     def __init__(self) -> None:
         """Begin without an epoch."""
@@ -28,7 +28,7 @@ class SwappedReceivers:
         return self._against >= _EPOCHS
 
     def hear(self, fixes: Fixes) -> None:
-        """Take in an epoch; one without both places and the way of either says nothing."""
+        """Update with an epoch; one without both positions or any motion is ignored."""
         x, y, velocity = fixed_motion(fixes, "tractor")
         behind_x, behind_y, drawn = fixed_motion(fixes, "trailer")
         ahead = (x - behind_x, y - behind_y)

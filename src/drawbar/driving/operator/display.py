@@ -11,7 +11,7 @@ from drawbar.signals import FixQuality
 from drawbar.statuses import Status
 
 GOOD = (SupervisorState.READY, SupervisorState.ENGAGING, SupervisorState.ACTIVE)
-WORRIED = (SupervisorState.DEGRADED, SupervisorState.STOPPING, SupervisorState.OVERRIDE)
+WARNING = (SupervisorState.DEGRADED, SupervisorState.STOPPING, SupervisorState.OVERRIDE)
 BAD = (SupervisorState.FAULT, SupervisorState.ESTOP)
 """the states that have a colour, by how well it goes"""
 STANDS = 0.05
@@ -48,7 +48,7 @@ def picture(state: GateState | None, controller: ControllerState | None, refusal
 
 def headline(state: GateState, controller: ControllerState | None = None) -> Text:
     """Return the state in one line, with its cause, and where that is the end of the controller's run, how it ended."""
-    known = {GOOD: "green", WORRIED: "yellow", BAD: "bold red"}
+    known = {GOOD: "green", WARNING: "yellow", BAD: "bold red"}
     style = next((style for states, style in known.items() if state.state in states), "")
     text = Text(f"{state.state.name}: {_MEANINGS[state.state]}", style=style)
     if state.cause:

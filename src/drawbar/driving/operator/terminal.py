@@ -43,7 +43,7 @@ class Terminal:
             self._live.update(picture(front.state, front.controller, front.refusal), refresh=True)
 
     def _tell(self, state: GateState) -> None:
-        """Print a state that is new; without a picture also, once, each reason against engaging or to worry."""
+        """Print a state that is new; without a picture also, once, each reason against engaging, or warning."""
         if state.state is not self._announced:
             self._announced, self._reasons = state.state, set()
             self._console.print(headline(state, self._front.controller))
@@ -53,9 +53,9 @@ class Terminal:
                 self._console.print(reason(cause), soft_wrap=True)
 
     def _causes_as_lines(self, state: GateState) -> list[Cause]:
-        """Return what is told without a picture.
+        """Return the causes to print without a picture.
 
-        What stands against engaging; while it steers, what worries; and what there is to tell of sensors.
+        What stands against engaging, or warnings while it steers; and faults of sensors.
         """
         if self._live is not None:
             return []

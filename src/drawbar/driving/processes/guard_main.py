@@ -1,4 +1,4 @@
-"""The guard's process as a program: lets the boards go when the gate, which steers them, is killed or frozen.
+"""The guard's process as a program: releases the boards when the gate, which steers them, is killed or frozen.
 
 `python -m drawbar.driving.processes.guard_main`, with the gate's options on standard input. The gate sends its state at
 each tick; when it steers and sends nothing for as long as it may be late, off frames go to the boards until it sends

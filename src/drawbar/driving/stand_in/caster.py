@@ -3,7 +3,7 @@
 from drawbar.errors import HardwareError
 from drawbar.machine.hardware.corrections.credentials import read_login
 from drawbar.machine.hardware.corrections.settings import CorrectionsSettings
-from drawbar.machine.stand_in.caster import Caster, Dialect
+from drawbar.machine.stand_in.caster import Caster, CasterSettings, Dialect
 
 _INTERVAL = 1.0
 """between two epochs, s of the machine's time"""
@@ -19,12 +19,15 @@ def stand_in_caster(settings: CorrectionsSettings, pace: int) -> Caster:
     """
     if settings.tls:
         raise HardwareError("the stand-in's caster has no certificate; set devices.corrections.tls=false")
-    caster = Caster(
+    served = CasterSettings(
         interval=_INTERVAL / pace,
         mount=settings.mount,
         login=read_login(settings.credentials).text,
         dialect=_DIALECTS[settings.version],
         needs_position=True,
+    )
+    caster = Caster(
+        served,
         address=("127.0.0.1" if settings.host == "localhost" else settings.host, settings.port),
     )
     try:

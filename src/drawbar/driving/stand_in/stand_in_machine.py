@@ -15,7 +15,8 @@ from drawbar.machine.stand_in.aio_v4 import AioV4
 from drawbar.machine.stand_in.bare_valve import StandInBareValve
 from drawbar.machine.stand_in.board import StandInBoard
 from drawbar.machine.stand_in.can_machine import CanMachine
-from drawbar.machine.stand_in.machine import BODIES, Driver, StandInMachine, StandInSettings
+from drawbar.machine.stand_in.driver import Driver
+from drawbar.machine.stand_in.machine import BODIES, StandInDevices, StandInMachine, StandInSettings
 from drawbar.machine.stand_in.nmea import gga, gst, hrp, panda, paogi, vtg
 from drawbar.machine.stand_in.nmea2000 import nmea2000
 from drawbar.machine.stand_in.receiver import Encoder, Report, turned
@@ -68,16 +69,15 @@ def stand_in_machine(
     if isobus is not None and devices is not None:
         assert bus is not None
         can = CanMachine(bus, isobus, takes_speed=devices.speed == "isobus")
+    bare = devices.bare_valve if devices is not None else None
+    valve = StandInBareValve(bare) if bare is not None else None
     return StandInMachine(
         World(build_machine(ticking, path, seed), configuration.vehicle),
         frame,
-        boards,
-        can,
-        encoders,
-        Driver(configuration.speed),
-        StandInSettings(epochs=configuration.sample_time),
-        seed,
-        StandInBareValve(devices.bare_valve) if devices is not None and devices.bare_valve is not None else None,
+        StandInDevices(boards=boards, encoders=encoders, can=can, valve=valve),
+        driver=Driver(configuration.speed),
+        settings=StandInSettings(epochs=configuration.sample_time),
+        seed=seed,
     )
 
 

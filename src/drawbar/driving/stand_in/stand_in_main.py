@@ -23,8 +23,9 @@ from drawbar.errors import HardwareError
 from drawbar.machine.hardware.corrections.settings import CorrectionsSettings
 from drawbar.machine.stand_in.board import Output
 from drawbar.machine.stand_in.caster import Caster
+from drawbar.machine.stand_in.driver import Driver
 from drawbar.machine.stand_in.faults import FaultPlan, PlannedFault
-from drawbar.machine.stand_in.machine import BARE_VALVE, BODIES, SENSORS, Driver, StandInMachine
+from drawbar.machine.stand_in.machine import BARE_VALVE, BODIES, SENSORS, StandInMachine
 from drawbar.message_records import decode
 from drawbar.messages import GateState, SupervisorState
 from drawbar.protocols.agopengps.steer_board import SET_POINT

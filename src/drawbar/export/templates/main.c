@@ -123,6 +123,10 @@ int main(int argc, char **argv)
         fprintf(stderr, "usage: %s measurements.csv [path.csv]\n", argv[0]);
         return 2;
     }
+    if (strcmp(drawbar_version(), DRAWBAR_VERSION) != 0) {
+        fprintf(stderr, "compiled for %s, linked with %s\n", DRAWBAR_VERSION, drawbar_version());
+        return 2;
+    }
     const struct drawbar_path_node *nodes = read_path(argc > 2 ? argv[2] : "path.csv", &count);
     int status = drawbar_init(&state);
     if (status == DRAWBAR_OK)

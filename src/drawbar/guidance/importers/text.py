@@ -69,7 +69,7 @@ def is_number(text: str) -> bool:
 def numbers(text: str, count: int, place: str, what: str = "a coordinate") -> list[float]:
     """Return the numbers of a row "1.5,2.5", also where they all have decimal commas, as in "1,5,2,5".
 
-    Raises PathError with the place for anything else: with decimal commas in some of them nobody knows which.
+    Raises PathError with the place for anything else: with decimal commas in some of them the columns are ambiguous.
     """
     cells = [cell.strip() for cell in text.split(",")]
     if len(cells) == 2 * count and all(cell.isdecimal() for cell in cells[1::2]):

@@ -47,15 +47,44 @@ static int settings_are_sound(const struct drawbar_actuate_settings *s)
     return sound && (!s->present[DRAWBAR_ACTUATOR_PEDAL] || speed_loop_is_sound(&s->speed));
 }
 
+struct placed_low_level {
+    char before;
+    struct low_level low;
+};
+
+struct placed_setting {
+    char before;
+    double number;
+};
+
+/* What is wrong with a pointer, or 0. Some processors cannot even read numbers that are not aligned. */
+static int misplaced(const void *pointer, size_t alignment)
+{
+    if (pointer == NULL)
+        return DRAWBAR_ACTUATE_NULL;
+    return (uintptr_t)pointer % alignment == 0 ? 0 : DRAWBAR_ACTUATE_UNALIGNED;
+}
+
+static int misplaced_state(const struct drawbar_actuate_state *state)
+{
+    return misplaced(state, offsetof(struct placed_low_level, low));
+}
+
+static int misplaced_numbers(const void *numbers)
+{
+    return misplaced(numbers, offsetof(struct placed_setting, number));
+}
+
 int drawbar_actuate_init(struct drawbar_actuate_state *state, const struct drawbar_actuate_settings *settings)
 {
     struct low_level *low = (struct low_level *)state;
+    const int refused = misplaced_state(state), unread = misplaced_numbers(settings);
 
-    if (state == NULL)
-        return DRAWBAR_ACTUATE_NULL;
+    if (refused)
+        return refused;
     memset(low, 0, sizeof *low);
-    if (settings == NULL)
-        return DRAWBAR_ACTUATE_NULL;
+    if (unread)
+        return unread;
     if (!settings_are_sound(settings))
         return DRAWBAR_ACTUATE_SETTINGS;
     low->settings = *settings;
@@ -191,12 +220,13 @@ int drawbar_actuate(struct drawbar_actuate_state *state, const struct drawbar_ac
                     struct drawbar_actuate_output *output)
 {
     struct low_level *low = (struct low_level *)state;
+    const int unwritten = misplaced_numbers(output), unread = misplaced_numbers(input), refused = misplaced_state(state);
     int worst = DRAWBAR_ACTUATE_FINE;
 
-    if (output == NULL)
-        return DRAWBAR_ACTUATE_NULL;
-    if (state == NULL || input == NULL)
-        return nothing(output, DRAWBAR_ACTUATE_NULL);
+    if (unwritten)
+        return unwritten;
+    if (refused || unread)
+        return nothing(output, refused ? refused : unread);
     if (low->magic != ACTUATE_INITIALISED)
         return nothing(output, DRAWBAR_ACTUATE_NOT_INITIALISED);
     nothing(output, DRAWBAR_ACTUATE_OFF);
@@ -237,6 +267,8 @@ const char *drawbar_actuate_status_text(int status)
         return "fault: the pedal is pressed and the wheels report that they stand";
     case DRAWBAR_ACTUATE_NULL:
         return "wrong call: a pointer is NULL";
+    case DRAWBAR_ACTUATE_UNALIGNED:
+        return "wrong call: a pointer is not aligned as a double";
     case DRAWBAR_ACTUATE_NOT_INITIALISED:
         return "wrong call: drawbar_actuate_init has not been called with success";
     case DRAWBAR_ACTUATE_SETTINGS:

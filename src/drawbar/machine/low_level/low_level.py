@@ -65,6 +65,7 @@ class ActuateStatus(IntEnum):
     NULL = 64
     NOT_INITIALISED = 65
     SETTINGS = 66
+    UNALIGNED = 67
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,6 +9,7 @@ import threading
 from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import dataclass
 from enum import Enum
 from random import Random
 from types import TracebackType
@@ -54,41 +55,44 @@ def empty_corrections(epoch: int, station: int = 123) -> bytes:
     return frames
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CasterSettings:
+    """What a caster serves, how it answers, and what goes wrong."""
+
+    corrections: Callable[[int], bytes] = empty_corrections
+    """what is sent in epoch 0, 1, ..."""
+    interval: float = 1.0
+    """between epochs, s"""
+    mount: str = "MP1"
+    """name of the mount point"""
+    login: str = ""
+    """`user:password` that it asks for; empty: none"""
+    dialect: Dialect = Dialect.V2_CHUNKED
+    fault: CasterFault = CasterFault.NONE
+    after: int = 3
+    """good epochs before it goes wrong"""
+    needs_position: bool = False
+    """send nothing before the first GGA, as networks do"""
+
+
 class Caster:
     """A caster that serves one mount point to any number of clients until `stop`; a context manager does both."""
 
     def __init__(
         self,
+        settings: CasterSettings,
         *,
-        corrections: Callable[[int], bytes] = empty_corrections,
-        interval: float = 1.0,
-        mount: str = "MP1",
-        login: str = "",
-        dialect: Dialect = Dialect.V2_CHUNKED,
-        fault: CasterFault = CasterFault.NONE,
-        after: int = 3,
-        needs_position: bool = False,
         tls: ssl.SSLContext | None = None,
         address: tuple[str, int] = ("127.0.0.1", 0),
     ) -> None:
         """Prepare.
 
         Args:
-            corrections: what is sent in epoch 0, 1, ...
-            interval: between epochs, s.
-            mount: name of the mount point.
-            login: `user:password` that it asks for; empty: none.
-            dialect: how it answers.
-            fault: what goes wrong.
-            after: good epochs before it goes wrong.
-            needs_position: send nothing before the first GGA, as networks do.
+            settings: what it serves.
             tls: the server's context; None: not encrypted.
             address: where to listen; port 0: any free one.
         """
-        self._corrections, self._interval = corrections, interval
-        self._mount, self._login = mount, login
-        self._dialect, self._fault, self._after = dialect, fault, after
-        self._needs_position, self._tls, self._address = needs_position, tls, address
+        self._settings, self._tls, self._address = settings, tls, address
         self.requests: deque[bytes] = deque(maxlen=100)
         self.positions: deque[bytes] = deque(maxlen=100)
         """GGA lines that clients uploaded after their request"""
@@ -156,53 +160,53 @@ class Caster:
 
     def _answer(self, request: bytes) -> tuple[bytes, bool]:
         """Return the head of the reply, and whether a stream follows."""
-        login = base64.b64encode(self._login.encode())
-        known = not self._login or b"Authorization: Basic " + login in request.split(b"\r\n")
-        if self._fault is CasterFault.UNAUTHORIZED or not known:
+        settings = self._settings
+        login = base64.b64encode(settings.login.encode())
+        known = not settings.login or b"Authorization: Basic " + login in request.split(b"\r\n")
+        if settings.fault is CasterFault.UNAUTHORIZED or not known:
             return b"HTTP/1.1 401 Unauthorized\r\n\r\n", False
-        if self._fault is CasterFault.NOT_FOUND:
+        if settings.fault is CasterFault.NOT_FOUND:
             return b"HTTP/1.1 404 Not Found\r\n\r\n", False
-        if request.split(b" ")[1:2] != [f"/{self._mount}".encode()]:
+        if request.split(b" ")[1:2] != [f"/{settings.mount}".encode()]:
             return self._source_table(), False
-        return _HEADS[self._dialect], True
+        return _HEADS[settings.dialect], True
 
     def _source_table(self) -> bytes:
-        row = (
-            f"STR;{self._mount};;RTCM 3.2;1005(10),1077(1);2;GPS;;;0.00;0.00;{int(self._needs_position)};0;;none;B;N;;"
-        )
+        mount, needs_position = self._settings.mount, int(self._settings.needs_position)
+        row = f"STR;{mount};;RTCM 3.2;1005(10),1077(1);2;GPS;;;0.00;0.00;{needs_position};0;;none;B;N;;"
         table = f"{row}\r\nENDSOURCETABLE\r\n".encode()
-        if self._dialect in (Dialect.V1, Dialect.V1_ONE_LINE_END):
+        if self._settings.dialect in (Dialect.V1, Dialect.V1_ONE_LINE_END):
             return b"SOURCETABLE 200 OK\r\nContent-Type: text/plain\r\n\r\n" + table
         head = "HTTP/1.1 200 OK\r\nNtrip-Version: Ntrip/2.0\r\nContent-Type: gnss/sourcetable\r\nConnection: close"
         return f"{head}\r\nContent-Length: {len(table)}\r\n\r\n".encode() + table
 
     def _stream(self, client: socket.socket, has_position: bool) -> None:
-        noise = Random(0)
-        epoch = 0
+        settings, noise, epoch = self._settings, Random(0), 0
         while not self._stopped.is_set():
             has_position = self._note(_arrived(client)) or has_position
-            broken = epoch >= self._after and self._fault is not CasterFault.NONE
-            if broken and self._fault is CasterFault.CLOSE:
+            broken = epoch >= settings.after and settings.fault is not CasterFault.NONE
+            if broken and settings.fault is CasterFault.CLOSE:
                 return
-            if broken and self._fault is CasterFault.RESET:
+            if broken and settings.fault is CasterFault.RESET:
                 client.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
                 return
-            if has_position or not self._needs_position:
+            if has_position or not settings.needs_position:
                 client.sendall(self._coded(self._bytes_of(epoch, broken, noise)))
                 epoch += 1
-            self._stopped.wait(self._interval)
+            self._stopped.wait(settings.interval)
 
     def _bytes_of(self, epoch: int, broken: bool, noise: Random) -> bytes:
-        if broken and self._fault is CasterFault.STALL:
+        settings = self._settings
+        if broken and settings.fault is CasterFault.STALL:
             return b""
-        if broken and self._fault is CasterFault.DRIP:
-            whole = self._corrections(self._after)
-            return whole[(epoch - self._after) % len(whole) :][:1]
-        return noise.randbytes(100) if broken else self._corrections(epoch)
+        if broken and settings.fault is CasterFault.DRIP:
+            whole = settings.corrections(settings.after)
+            return whole[(epoch - settings.after) % len(whole) :][:1]
+        return noise.randbytes(100) if broken else settings.corrections(epoch)
 
     def _coded(self, data: bytes) -> bytes:
         """Return the bytes as the dialect sends them, chunks cut inside frames."""
-        if self._dialect is not Dialect.V2_CHUNKED:
+        if self._settings.dialect is not Dialect.V2_CHUNKED:
             return data
         cut = len(data) // 3
         return b"".join(b"%x\r\n%b\r\n" % (len(piece), piece) for piece in (data[:cut], data[cut:]) if piece)

@@ -15,6 +15,7 @@ from drawbar.geometry import LocalFrame
 from drawbar.machine.stand_in.bare_valve import StandInBareValve
 from drawbar.machine.stand_in.board import Output, StandInBoard
 from drawbar.machine.stand_in.can_machine import CanMachine
+from drawbar.machine.stand_in.driver import Driver
 from drawbar.machine.stand_in.receiver import Encoder, Report, of_quality
 from drawbar.machine.stand_in.wheel import HeldWheel
 from drawbar.machine.stand_in.world import TICK, World
@@ -58,79 +59,18 @@ class StandInSettings:
     """how long a receiver keeps its RTK fix without corrections, s"""
 
 
-class Driver:
-    """Somebody on the seat: creeps until the boards steer, then drives; stops a moment after they release."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StandInDevices:
+    """Devices of the machine."""
 
-    CREEP = 0.3
-    """m/s; estimators need motion to find the heading"""
-    PUSHED = 0.8
-    """while a bare valve is calibrated, m/s"""
-    WAIT = 5.0
-    """for which the vehicle stands at first, once somebody is there who could steer, s"""
-    WAIT_UNTOLD = 15.0
-    """the same where nobody tells it to stand until the emergency stop has been tried, s"""
-    ACCELERATION, DECELERATION = 0.5, 1.5
-    """m/s²"""
-    REACTION = 0.7
-    """s"""
-    BRAKES = 3.0
-    """fastest that a tractor slows down that keeps a commanded speed, m/s²"""
-
-    def __init__(self, speed: float) -> None:
-        """Take the speed at which to drive, m/s."""
-        self._speed, self._let_go, self._came = speed, math.inf, 0.0
-        self.reaction = self.REACTION
-        """after which it stops, s"""
-        self.wait = self.WAIT
-        """for which it stands at first, s"""
-        self.steered = False
-        """the boards have steered since it began"""
-        self.speed = 0.0
-        self.stop_requested = False
-        """by the display"""
-
-    def attend(self, time: float, *, attended: bool) -> None:
-        """Stand while nobody is there who could steer, and begin again with the next who is; without this, creep.
-
-        Args:
-            time: s.
-            attended: somebody commands the steerings, even if only not to steer, or tells what the gate does.
-        """
-        if attended:
-            self._came = min(self._came, time)
-        elif not self.steered or self.speed == 0.0:
-            self._came = math.inf
-            self.stop_requested = False  # by a drive that is over
-            self.begin_again()
-
-    def begin_again(self) -> None:
-        """Creep once more, after the boards have released and the vehicle stands."""
-        self.steered, self._let_go = False, math.inf
-
-    def tick(self, time: float, steered: bool, commanded: float | None = None, *, pushed: bool = False) -> None:
-        """Decide on the speed at a time, s.
-
-        Args:
-            time: s.
-            steered: both steerings follow set points.
-            commanded: speed that the tractor itself keeps to, m/s; None: the driver drives.
-            pushed: a bare valve is being calibrated.
-        """
-        self.steered |= steered
-        if (steered and not self.stop_requested) or (not self.steered and not self.stop_requested):
-            self._let_go = math.inf
-        else:
-            self._let_go = min(self._let_go, time)
-        wish = self._speed if steered or self.steered else self.CREEP if time >= self._came + self.wait else 0.0
-        if self.stop_requested:
-            self._let_go = min(self._let_go, time)
-        if time - self._let_go >= self.reaction:
-            wish = 0.0
-        wish = self.PUSHED if pushed and not self.stop_requested else wish
-        wish = wish if commanded is None else commanded
-        slows = self.DECELERATION if commanded is None else self.BRAKES
-        step = TICK * (self.ACCELERATION if wish > self.speed else slows)
-        self.speed += min(max(wish - self.speed, -step), step)
+    boards: dict[str, tuple[StandInBoard, HeldWheel]]
+    """of the bodies that one steers, each with the wheel that it measures"""
+    encoders: dict[str, Encoder]
+    """make a receiver's bytes of what it reports, by body"""
+    can: CanMachine | None = None
+    """steers the other bodies, and takes the speed; None: there is no ISOBUS"""
+    valve: StandInBareValve | None = None
+    """turns the front wheels while it is told to; None: there is none"""
 
 
 class StandInMachine:
@@ -140,32 +80,26 @@ class StandInMachine:
         self,
         world: World,
         frame: LocalFrame,
-        boards: dict[str, tuple[StandInBoard, HeldWheel]],
-        can: CanMachine | None,
-        encoders: dict[str, Encoder],
+        devices: StandInDevices,
+        *,
         driver: Driver,
         settings: StandInSettings,
         seed: int,
-        valve: StandInBareValve | None = None,
     ) -> None:
-        """Take the parts.
+        """Take the components.
 
         Args:
             world: with the simulated machine.
             frame: of the path.
-            boards: of the bodies that one steers, each with the wheel that it measures.
-            can: what steers the others, and takes the speed; None: there is no ISOBUS.
-            encoders: of tractor's and trailer's receivers.
+            devices: between the world and the wires.
             driver: who drives.
             settings: of the receivers.
             seed: of the noise of their speeds.
-            valve: that turns the front wheels while it is told to; None: there is none.
         """
         self._rng = np.random.default_rng(seed)
-        self.world, self.boards, self.can, self.driver, self.valve = world, boards, can, driver, valve
+        self.world, self.driver = world, driver
+        self.boards, self.encoders, self.can, self.valve = devices.boards, devices.encoders, devices.can, devices.valve
         self._frame, self._settings = frame, settings
-        self.encoders = encoders
-        """make a receiver's bytes of what it reports, by body"""
         self._ticks = self._epochs = self._reports = 0
         self._way = 0.0
         self._yaws = dict.fromkeys(BODIES, 0.0)

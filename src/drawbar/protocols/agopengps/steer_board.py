@@ -49,7 +49,7 @@ _EXPECTED = frozenset((Pgn.STEER_HELLO_REPLY, Pgn.SCAN_REPLY, Pgn.SENSOR, Pgn.TE
 class SteerBoard(SteeringActuator[bytes]):
     """One board behind one address.
 
-    Set points go out at 10 to 22 Hz, however often `send` is called; a let-go goes out with the next call, and so does
+    Set points go out at 10 to 22 Hz, however often `send` is called; a release goes out with the next call, and so does
     a new set point to a board that steers, below 40 Hz in the mean. While another computer is seen to send set points
     to the board, drawbar releases for a second and then keeps silent: its zeros between the other's ones would be edges
     that make the board steer again after its operator took over.
@@ -72,7 +72,7 @@ class SteerBoard(SteeringActuator[bytes]):
                 f"max_angle is {max_angle} rad; boards steer below 0.8727 rad (50°) only; give the machine's own limit"
             )
         self.dropped: dict[str, int] = {}
-        self.let_go: dict[str, int] = {}
+        self.releases: dict[str, int] = {}
         """how often the steering was released unasked, by cause"""
         self._replies = BoardReplies(address=board, inverted=inverted, own=frozenset(own))
         self._max_angle = max_angle
@@ -132,7 +132,7 @@ class SteerBoard(SteeringActuator[bytes]):
 
     def _release(self, reason: str, cause: Readiness) -> None:
         self._steering, self._cause = False, cause
-        self.let_go[reason] = self.let_go.get(reason, 0) + 1
+        self.releases[reason] = self.releases.get(reason, 0) + 1
 
     def _decide(self, time: float, request: SteeringRequest) -> None:
         """Begin on an edge of a fit request, release for any fault; a cause stays until the request is taken back."""
@@ -210,8 +210,8 @@ class SteerBoard(SteeringActuator[bytes]):
 
     def _yields(self, time: float) -> bool:
         """Whether another computer has the board, and drawbar has told it to release for long enough, or need not."""
-        letting_go = self._status or time - self._released < OFF_TIME
-        return self._replies.master_within(time, MASTER_GONE) and not self._steering and not letting_go
+        releasing = self._status or time - self._released < OFF_TIME
+        return self._replies.master_within(time, MASTER_GONE) and not self._steering and not releasing
 
     def _set_point(self, request: SteeringRequest) -> SteerCommand:
         speed = request.speed if abs(request.speed) <= 0xFFFF / 36.0 else 0.0

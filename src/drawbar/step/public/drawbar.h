@@ -112,7 +112,8 @@ DRAWBAR_API int drawbar_get_actuation(const struct drawbar_state *state, struct 
 /* What a status means, in one line. */
 DRAWBAR_API const char *drawbar_status_text(int status);
 
-/* The version of drawbar that generated this library, and the hash of the configuration. */
+/* The version of drawbar that generated this library, the hash of the configuration, and the precision of its numbers. With
+ * the headers of another export a state may have too little memory: where this is not DRAWBAR_VERSION, do not go on. */
 DRAWBAR_API const char *drawbar_version(void);
 
 /* Bytes of a struct drawbar_state, for callers that allocate it without this header; aligned as a double. */

@@ -51,7 +51,8 @@ enum drawbar_actuate_status {
     DRAWBAR_ACTUATE_WRONG_CALL = 64,       /* from here on: the call was wrong, all drives are 0 */
     DRAWBAR_ACTUATE_NULL = 64,             /* a pointer is NULL */
     DRAWBAR_ACTUATE_NOT_INITIALISED = 65,  /* drawbar_actuate_init has not been called with success */
-    DRAWBAR_ACTUATE_SETTINGS = 66          /* a setting is not finite or beyond what is allowed here */
+    DRAWBAR_ACTUATE_SETTINGS = 66,         /* a setting is not finite or beyond what is allowed here */
+    DRAWBAR_ACTUATE_UNALIGNED = 67         /* a pointer is not aligned as a double */
 };
 
 /* From counts to an angle or a position: a table, or a cubic polynomial. */

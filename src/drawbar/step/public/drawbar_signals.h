@@ -39,13 +39,14 @@ enum drawbar_status {
     DRAWBAR_NULL = 256,                 /* wrong call: a pointer is NULL */
     DRAWBAR_NOT_INITIALISED = 257,      /* wrong call: drawbar_init has not been called on this state */
     DRAWBAR_NO_PATH = 258,              /* wrong call: drawbar_set_path has not been called, or not with success */
-    DRAWBAR_ORDER = 259,                /* wrong call: out of order: feedback and prepare alternate, and where a
-                                         * run begins is told before it does */
+    DRAWBAR_ORDER = 259,                /* wrong call: out of order: feedback and prepare alternate, and a run's
+                                         * start is set before it begins */
     DRAWBAR_PATH = 260,                 /* wrong call: the path's table is not a smooth path */
     DRAWBAR_RANGE = 261,                /* wrong call: a number is beyond what is allowed */
     DRAWBAR_NO_RUN = 262,               /* wrong call: no run has begun, or it has ended */
     DRAWBAR_ELSEWHERE = 263,            /* wrong call: the vehicle is not on the new path at that place, or faces
                                          * away from it */
+    DRAWBAR_UNALIGNED = 264,            /* wrong call: a pointer is not aligned as a double */
 };
 
 /* What there is to say of a step that made a new command; each flag carries its text. */
@@ -142,10 +143,10 @@ struct drawbar_measurement {
     double trailer_roll;                /* right side down positive, rad */
     double trailer_pitch;               /* nose up positive, rad */
     double trailer_yaw_rate;            /* counter-clockwise positive, rad/s */
-    double tractor_fix_age;             /* of the tractor's position at the time of the sample; 0: not told,
-                                         * `sensors.fixes.age` is taken, s */
-    double trailer_fix_age;             /* of the trailer's position at the time of the sample; 0: not told,
-                                         * `sensors.fixes.age` is taken, s */
+    double tractor_fix_age;             /* of the tractor's position at the time of the sample; 0: not reported,
+                                         * `sensors.fixes.age` is used, s */
+    double trailer_fix_age;             /* of the trailer's position at the time of the sample; 0: not reported,
+                                         * `sensors.fixes.age` is used, s */
     double hitch_angle_age;             /* of the hitch angle at the time of the sample, s */
     double speed_age;                   /* of the speed at the time of the sample, s */
     double tractor_steering_age;        /* of the tractor's steering angle at the time of the sample, s */
@@ -172,7 +173,7 @@ struct drawbar_pose {
     double yaw;                         /* rad */
 };
 
-/* What the estimator believes now. */
+/* Estimated poses, joint angles, speed and slip factors at one time. */
 struct drawbar_estimate {
     double time;                        /* of the measurement, s */
     struct drawbar_pose tractor;        /* of the middle of its rear axle, on the ground */
@@ -241,7 +242,7 @@ struct drawbar_diagnostics {
                                          * mean */
 };
 
-/* What one steering makes of its commands, as far as its angles show; zero where nobody looks. */
+/* Identified dynamics of one steering from command to angle; zero where none are identified. */
 struct drawbar_body_actuation {
     double dead_time;                   /* between a command and the first reaction, s */
     double dead_time_deviation;         /* standard deviation, s */
@@ -251,26 +252,26 @@ struct drawbar_body_actuation {
     double rate_deviation;              /* standard deviation, rad/s */
 };
 
-/* What is found of steerings, late fixes and roll sensors, and what is planned with; zero where nobody looks. */
+/* Identified dynamics of steerings and errors of sensors, and what plans assume; zero where none are identified. */
 struct drawbar_actuation {
     struct drawbar_body_actuation tractor; /* front wheels */
     struct drawbar_body_actuation trailer; /* actuated joint */
-    double dead_time;                   /* for which is planned, beside the lag of the body, s */
+    double dead_time;                   /* that plans assume, beside the lag of the body, s */
     double body_lag;                    /* by which the tractor turns later than its wheels stand: stated
                                          * (`actuation.body_lag_per_speed`), by the ground's creep, and as the
-                                         * yaw-rate sensor shows; for which is planned, s */
-    double body_lag_deviation;          /* standard deviation of what the yaw-rate sensor shows, s */
-    double tractor_lag;                 /* for which is planned, s */
-    double trailer_lag;                 /* for which is planned, s */
-    double tractor_rate;                /* for which is planned, rad/s */
-    double trailer_rate;                /* for which is planned, rad/s */
-    double fix_latency;                 /* by which fixes are later than their receivers or `sensors.fixes.age`
-                                         * tell, as the yaw-rate sensor shows, s */
-    double tractor_roll_offset;         /* what the tractor's attitude sensor shows as roll while it stands level,
-                                         * beyond the stated offset, rad */
+                                         * yaw-rate sensor identifies it; plans assume it, s */
+    double body_lag_deviation;          /* standard deviation of the part that the yaw-rate sensor identifies, s */
+    double tractor_lag;                 /* that plans assume, s */
+    double trailer_lag;                 /* that plans assume, s */
+    double tractor_rate;                /* that plans assume, rad/s */
+    double trailer_rate;                /* that plans assume, rad/s */
+    double fix_latency;                 /* identified by the yaw-rate sensor, beyond the age that receivers or
+                                         * `sensors.fixes.age` state, s */
+    double tractor_roll_offset;         /* identified zero of the tractor's roll sensor, beyond the stated offset,
+                                         * rad */
     double tractor_roll_deviation;      /* standard deviation, rad */
-    double trailer_roll_offset;         /* what the trailer's attitude sensor shows as roll while it stands level,
-                                         * beyond the stated offset, rad */
+    double trailer_roll_offset;         /* identified zero of the trailer's roll sensor, beyond the stated offset,
+                                         * rad */
     double trailer_roll_deviation;      /* standard deviation, rad */
 };
 

@@ -13,7 +13,7 @@ from waiting import until
 from drawbar.machine.hardware.corrections.corrections import open_corrections
 from drawbar.machine.hardware.corrections.forwarding import PacedOutlet, StreamOutlet
 from drawbar.machine.hardware.corrections.settings import CorrectionsSettings
-from drawbar.machine.stand_in.caster import Caster
+from drawbar.machine.stand_in.caster import Caster, CasterSettings
 from drawbar.transports.address import SerialAddress, UdpAddress
 from drawbar.transports.serial import SerialTransport
 from drawbar.transports.udp import UdpTransport
@@ -74,7 +74,7 @@ def test_serial_line_gets_the_bytes_at_once_and_unchanged() -> None:
 def test_section_of_a_configuration_feeds_a_board(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("CASTER", LOGIN)
     board = UdpTransport(UdpAddress(host="127.0.0.1", port=0))
-    with Caster(login=LOGIN, interval=FAST) as caster:
+    with Caster(CasterSettings(login=LOGIN, interval=FAST)) as caster:
         settings = CorrectionsSettings(
             host="127.0.0.1",
             port=caster.port,

@@ -7,7 +7,7 @@ import pytest
 from caster_bench import FAST, LOGIN, Bench
 
 from drawbar.machine.hardware.corrections.status import CorrectionsState
-from drawbar.machine.stand_in.caster import Caster, CasterFault, Dialect
+from drawbar.machine.stand_in.caster import Caster, CasterFault, CasterSettings, Dialect
 
 BROKEN = {
     CasterFault.CLOSE: "the other end has closed the connection",
@@ -20,7 +20,7 @@ BROKEN = {
 def test_lost_connection_is_told_and_opened_again(
     connect: Callable[..., Bench], fault: CasterFault, dialect: Dialect
 ) -> None:
-    with Caster(dialect=dialect, login=LOGIN, interval=FAST, fault=fault) as caster:
+    with Caster(CasterSettings(dialect=dialect, login=LOGIN, interval=FAST, fault=fault)) as caster:
         bench = connect(caster.port)
         for attempt in range(1, 4):
             bench.until_state(CorrectionsState.WAITING)
@@ -35,7 +35,7 @@ def test_lost_connection_is_told_and_opened_again(
 
 
 def test_pause_is_short_again_after_a_stream_that_lasted(connect: Callable[..., Bench]) -> None:
-    with Caster(login=LOGIN, interval=FAST, fault=CasterFault.CLOSE, after=20) as caster:
+    with Caster(CasterSettings(login=LOGIN, interval=FAST, fault=CasterFault.CLOSE, after=20)) as caster:
         bench = connect(caster.port)
         bench.until_state(CorrectionsState.WAITING)
         assert bench.status.next_attempt <= 1.2
@@ -53,7 +53,7 @@ def test_pause_is_short_again_after_a_stream_that_lasted(connect: Callable[..., 
 
 
 def test_stalled_stream_is_given_up_after_ten_seconds(connect: Callable[..., Bench]) -> None:
-    with Caster(login=LOGIN, interval=FAST, fault=CasterFault.STALL) as caster:
+    with Caster(CasterSettings(login=LOGIN, interval=FAST, fault=CasterFault.STALL)) as caster:
         bench = connect(caster.port)
         bench.until(lambda: len(bench.frames) == 4)
         bench.clock.now += 9.9
@@ -71,7 +71,9 @@ def test_stalled_stream_is_given_up_after_ten_seconds(connect: Callable[..., Ben
 def test_bytes_without_frames_are_given_up_after_ten_seconds(
     connect: Callable[..., Bench], fault: CasterFault, interval: float, after: int
 ) -> None:
-    with Caster(dialect=Dialect.V2_PLAIN, login=LOGIN, interval=interval, fault=fault, after=after) as caster:
+    with Caster(
+        CasterSettings(dialect=Dialect.V2_PLAIN, login=LOGIN, interval=interval, fault=fault, after=after)
+    ) as caster:
         bench = connect(caster.port)
         bench.until(lambda: len(bench.frames) >= after and bench.status.received > sum(map(len, bench.frames)))
         begin = bench.clock.now

@@ -7,14 +7,14 @@ from caster_bench import FAST, GGA, LOGIN, Bench
 from waiting import until
 
 from drawbar.machine.hardware.corrections.status import CorrectionsState
-from drawbar.machine.stand_in.caster import Caster, Dialect
+from drawbar.machine.stand_in.caster import Caster, CasterSettings, Dialect
 
 
 @pytest.mark.parametrize(("dialect", "version"), [(Dialect.V1, 1), (Dialect.V2_CHUNKED, 2)])
 def test_position_is_sent_at_once_and_every_ten_seconds(
     connect: Callable[..., Bench], dialect: Dialect, version: int
 ) -> None:
-    with Caster(dialect=dialect, login=LOGIN, interval=FAST, needs_position=True) as caster:
+    with Caster(CasterSettings(dialect=dialect, login=LOGIN, interval=FAST, needs_position=True)) as caster:
         bench = connect(caster.port, version=version)
         assert bench.client.position(GGA)
         bench.until_state(CorrectionsState.FLOWING)
@@ -33,7 +33,7 @@ def test_position_is_sent_at_once_and_every_ten_seconds(
 
 def test_position_without_a_fix_is_never_sent(connect: Callable[..., Bench]) -> None:
     no_fix = GGA[:6] + b",,,,,,0,00,,,M,,M,,*66\r\n"
-    with Caster(login=LOGIN, interval=FAST, needs_position=True) as caster:
+    with Caster(CasterSettings(login=LOGIN, interval=FAST, needs_position=True)) as caster:
         bench = connect(caster.port)
         assert not bench.client.position(no_fix)
         bench.until_state(CorrectionsState.LISTENING)
@@ -53,7 +53,7 @@ def test_position_without_a_fix_is_never_sent(connect: Callable[..., Bench]) -> 
 
 
 def test_stream_that_waits_for_a_position_in_vain_is_given_up_in_the_end(connect: Callable[..., Bench]) -> None:
-    with Caster(login=LOGIN, interval=FAST, needs_position=True) as caster:
+    with Caster(CasterSettings(login=LOGIN, interval=FAST, needs_position=True)) as caster:
         bench = connect(caster.port)
         bench.until_state(CorrectionsState.LISTENING)
         bench.clock.now += 60.0

@@ -6,7 +6,7 @@ import pytest
 from caster_bench import FAST, LOGIN, Bench
 
 from drawbar.machine.hardware.corrections.status import CorrectionsState
-from drawbar.machine.stand_in.caster import Caster, CasterFault, Dialect
+from drawbar.machine.stand_in.caster import Caster, CasterFault, CasterSettings, Dialect
 
 
 def refusals() -> list[tuple[str, dict[str, object], dict[str, object], str]]:
@@ -25,7 +25,7 @@ def refusals() -> list[tuple[str, dict[str, object], dict[str, object], str]]:
 def test_refusal_is_told_and_not_tried_again_within_a_minute(
     connect: Callable[..., Bench], caster: dict[str, object], client: dict[str, object], told: str
 ) -> None:
-    with Caster(**({"login": LOGIN, "interval": FAST} | caster)) as there:  # type: ignore[arg-type]
+    with Caster(CasterSettings(**({"login": LOGIN, "interval": FAST} | caster))) as there:  # type: ignore[arg-type]
         bench = connect(there.port, **client)
         bench.until_state(CorrectionsState.WAITING)
         assert told in bench.status.message

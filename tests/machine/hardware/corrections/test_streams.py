@@ -8,13 +8,13 @@ from caster_bench import FAST, LOGIN, Bench
 
 from drawbar.machine.hardware.corrections.session import AT_ONCE
 from drawbar.machine.hardware.corrections.status import CorrectionsState
-from drawbar.machine.stand_in.caster import Caster, Dialect, empty_corrections
+from drawbar.machine.stand_in.caster import Caster, CasterSettings, Dialect, empty_corrections
 
 
 @pytest.mark.parametrize("dialect", Dialect)
 @pytest.mark.parametrize("version", [1, 2])
 def test_corrections_come_out_unchanged(connect: Callable[..., Bench], dialect: Dialect, version: int) -> None:
-    with Caster(dialect=dialect, login=LOGIN, interval=FAST) as caster:
+    with Caster(CasterSettings(dialect=dialect, login=LOGIN, interval=FAST)) as caster:
         bench = connect(caster.port, version=version)
         bench.until(lambda: len(bench.frames) >= 15)
     assert bytes(bench.stream[:200]) == b"".join(map(empty_corrections, range(20)))[:200]
@@ -39,7 +39,7 @@ def test_nothing_but_intact_frames_reaches_a_receiver(connect: Callable[..., Ben
     def corrections(epoch: int) -> bytes:
         return command + empty_corrections(epoch) + command
 
-    with Caster(login=LOGIN, interval=FAST, corrections=corrections) as caster:
+    with Caster(CasterSettings(login=LOGIN, interval=FAST, corrections=corrections)) as caster:
         bench = connect(caster.port)
         bench.until(lambda: len(bench.frames) >= 15)
     frames = b"".join(map(empty_corrections, range(40)))
@@ -50,7 +50,9 @@ def test_nothing_but_intact_frames_reaches_a_receiver(connect: Callable[..., Ben
 def test_all_of_a_burst_that_begins_the_stream_reaches_the_receivers(connect: Callable[..., Bench]) -> None:
     burst = b"".join(map(empty_corrections, range(400)))
     assert len(burst) > 2 * AT_ONCE
-    with Caster(login=LOGIN, interval=FAST, corrections=lambda epoch: b"" if epoch else burst) as caster:
+    with Caster(
+        CasterSettings(login=LOGIN, interval=FAST, corrections=lambda epoch: b"" if epoch else burst)
+    ) as caster:
         bench = connect(caster.port)
         bench.until(lambda: len(bench.frames) >= 1)
         bench.until(lambda: bench.status.received >= len(burst))
@@ -75,7 +77,7 @@ def test_switched_base_is_noticed(connect: Callable[..., Bench]) -> None:
     def corrections(epoch: int) -> bytes:
         return empty_corrections(epoch, station=123 if epoch < 5 else 124)
 
-    with Caster(login=LOGIN, interval=FAST, corrections=corrections) as caster:
+    with Caster(CasterSettings(login=LOGIN, interval=FAST, corrections=corrections)) as caster:
         bench = connect(caster.port)
         bench.until(lambda: bench.status.station == 124)
         assert bench.status.station_changed == 0.0

@@ -11,7 +11,7 @@ from waiting import until
 
 from drawbar.errors import ConfigurationError
 from drawbar.machine.hardware.corrections.status import CorrectionsState
-from drawbar.machine.stand_in.caster import Caster, CasterFault, empty_corrections
+from drawbar.machine.stand_in.caster import Caster, CasterFault, CasterSettings, empty_corrections
 
 
 @pytest.mark.parametrize("fault", [CasterFault.NONE, CasterFault.CLOSE, CasterFault.RESET])
@@ -19,7 +19,9 @@ def test_tls_carries_corrections_and_positions(
     connect: Callable[..., Bench], tmp_path: Path, fault: CasterFault
 ) -> None:
     context, file = certificate(tmp_path)
-    with Caster(login=LOGIN, interval=FAST, tls=context, needs_position=True, fault=fault, after=12) as caster:
+    with Caster(
+        CasterSettings(login=LOGIN, interval=FAST, needs_position=True, fault=fault, after=12), tls=context
+    ) as caster:
         bench = connect(caster.port, tls=True, certificate=str(file))
         bench.client.position(GGA)
         if fault is CasterFault.NONE:
@@ -34,7 +36,7 @@ def test_tls_carries_corrections_and_positions(
 
 def test_caster_that_cannot_prove_its_name_gets_no_password(connect: Callable[..., Bench], tmp_path: Path) -> None:
     context, _ = certificate(tmp_path)
-    with Caster(login=LOGIN, interval=FAST, tls=context) as caster:
+    with Caster(CasterSettings(login=LOGIN, interval=FAST), tls=context) as caster:
         bench = connect(caster.port, tls=True)
         bench.until_state(CorrectionsState.WAITING)
         assert "TLS: self-signed certificate" in bench.status.message
@@ -42,7 +44,7 @@ def test_caster_that_cannot_prove_its_name_gets_no_password(connect: Callable[..
 
 
 def test_caster_without_tls_is_told(connect: Callable[..., Bench]) -> None:
-    with Caster(login=LOGIN, interval=FAST) as caster:
+    with Caster(CasterSettings(login=LOGIN, interval=FAST)) as caster:
         bench = connect(caster.port, tls=True)
         bench.until(lambda: bench.client.fileno() != -1)
         bench.advance()
@@ -66,7 +68,9 @@ def test_password_shows_nowhere(
 ) -> None:
     caplog.set_level(logging.DEBUG)
     told = []
-    with Caster(login=LOGIN if fault is CasterFault.NONE else "other:login", interval=FAST, fault=fault) as caster:
+    with Caster(
+        CasterSettings(login=LOGIN if fault is CasterFault.NONE else "other:login", interval=FAST, fault=fault)
+    ) as caster:
         bench = connect(caster.port)
         for _ in range(30):
             bench.advance()

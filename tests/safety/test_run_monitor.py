@@ -6,18 +6,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from ordinary import believed
-from safeguards import Supervisor
+from safeguards import RunMonitor
 from scipy.optimize import brentq
 
 from drawbar.config import load_configuration
 from drawbar.errors import ConfigurationError
 from drawbar.safety.sanity import SanitySettings
-from drawbar.signals import BodyReference, FixStatus, Supervision
+from drawbar.signals import BodyReference, FixStatus, MonitorVerdict
 from drawbar.vehicle.parameters import VehicleParameters
 
 LOST, BLIND, DEVIATION = (getattr(SanitySettings(), name) for name in ("lost", "blind", "blind_deviation"))
 HEADING, STEERING = 0.013, 0.0056
-"""as in supervisor.py, rad"""
+"""as in run_monitor.py, rad"""
 BLIND_WAY = brentq(
     lambda way: way * math.hypot(HEADING, STEERING * way / (2.0 * VehicleParameters().wheelbase)) - DEVIATION,
     0.0,
@@ -34,51 +34,51 @@ def beside(error):
 
 @pytest.mark.parametrize("error", [-LOST, -1.0, 0.0, LOST])
 def test_near_the_path_the_run_goes_on(error):
-    assert Supervisor().watch(SEEN, beside(error)) is Supervision.ON_COURSE
+    assert RunMonitor().watch(SEEN, beside(error)) is MonitorVerdict.ON_COURSE
 
 
 @pytest.mark.parametrize("error", [-1.001 * LOST, 1.001 * LOST, math.inf, math.nan])
 def test_too_far_from_the_path_or_nowhere_it_is_given_up(error):
-    assert Supervisor().watch(SEEN, beside(error)) is Supervision.OFF_COURSE
+    assert RunMonitor().watch(SEEN, beside(error)) is MonitorVerdict.OFF_COURSE
 
 
 @pytest.mark.parametrize("lost", [FixStatus.MISSING, FixStatus.STALE, FixStatus.REJECTED])
 def test_without_a_fix_that_is_believed_it_is_given_up_after_a_while(lost):
-    supervisor, blind = Supervisor(), replace(SEEN, tractor_fix=lost, trailer_fix=lost)
+    monitor, blind = RunMonitor(), replace(SEEN, tractor_fix=lost, trailer_fix=lost)
     for begin in (3.0, 30.0):  # one fix starts the time anew
-        supervisor.watch(replace(SEEN, time=begin), beside(0.0))
-        assert supervisor.watch(replace(blind, time=begin + BLIND), beside(0.0)) is Supervision.ON_COURSE
-        assert supervisor.watch(replace(blind, time=begin + BLIND + 0.1), beside(0.0)) is Supervision.BLIND
+        monitor.watch(replace(SEEN, time=begin), beside(0.0))
+        assert monitor.watch(replace(blind, time=begin + BLIND), beside(0.0)) is MonitorVerdict.ON_COURSE
+        assert monitor.watch(replace(blind, time=begin + BLIND + 0.1), beside(0.0)) is MonitorVerdict.BLIND
 
 
 @pytest.mark.parametrize("speed", [3.0, -2.0])
 def test_a_fast_vehicle_is_given_up_after_a_way(speed):
-    supervisor, blind = Supervisor(), replace(SEEN, speed=speed, tractor_fix=LOST_FIX, trailer_fix=LOST_FIX)
+    monitor, blind = RunMonitor(), replace(SEEN, speed=speed, tractor_fix=LOST_FIX, trailer_fix=LOST_FIX)
     for begin in (3.0, 30.0):  # one fix starts the way anew
-        supervisor.watch(replace(SEEN, time=begin, speed=speed), beside(0.0))
+        monitor.watch(replace(SEEN, time=begin, speed=speed), beside(0.0))
         half, whole = begin + 0.5 * BLIND_WAY / abs(speed), begin + BLIND_WAY / abs(speed)
-        assert supervisor.watch(replace(blind, time=half), beside(0.0)) is Supervision.ON_COURSE
-        assert supervisor.watch(replace(blind, time=whole - 0.1), beside(0.0)) is Supervision.ON_COURSE
-        assert supervisor.watch(replace(blind, time=whole + 0.1), beside(0.0)) is Supervision.BLIND
+        assert monitor.watch(replace(blind, time=half), beside(0.0)) is MonitorVerdict.ON_COURSE
+        assert monitor.watch(replace(blind, time=whole - 0.1), beside(0.0)) is MonitorVerdict.ON_COURSE
+        assert monitor.watch(replace(blind, time=whole + 0.1), beside(0.0)) is MonitorVerdict.BLIND
 
 
 def test_a_way_that_is_not_a_number_is_given_up():
-    supervisor, blind = Supervisor(), replace(SEEN, tractor_fix=LOST_FIX, trailer_fix=LOST_FIX)
-    supervisor.watch(SEEN, beside(0.0))
-    assert supervisor.watch(replace(blind, time=3.2, speed=math.nan), beside(0.0)) is Supervision.BLIND
+    monitor, blind = RunMonitor(), replace(SEEN, tractor_fix=LOST_FIX, trailer_fix=LOST_FIX)
+    monitor.watch(SEEN, beside(0.0))
+    assert monitor.watch(replace(blind, time=3.2, speed=math.nan), beside(0.0)) is MonitorVerdict.BLIND
 
 
 @pytest.mark.parametrize("antenna", ["tractor_fix", "trailer_fix"])
 def test_one_antenna_is_enough(antenna):
-    supervisor, half = Supervisor(), replace(SEEN, **{antenna: FixStatus.MISSING})
+    monitor, half = RunMonitor(), replace(SEEN, **{antenna: FixStatus.MISSING})
     for time in (0.0, 2.0 * BLIND, 4.0 * BLIND):
-        assert supervisor.watch(replace(half, time=time), beside(0.0)) is Supervision.ON_COURSE
+        assert monitor.watch(replace(half, time=time), beside(0.0)) is MonitorVerdict.ON_COURSE
 
 
 def test_a_run_that_begins_blind_is_given_the_same_time():
-    supervisor, blind = Supervisor(), replace(SEEN, tractor_fix=FixStatus.MISSING, trailer_fix=FixStatus.MISSING)
-    assert supervisor.watch(replace(blind, time=100.0), beside(0.0)) is Supervision.ON_COURSE
-    assert supervisor.watch(replace(blind, time=100.1 + BLIND), beside(0.0)) is Supervision.BLIND
+    monitor, blind = RunMonitor(), replace(SEEN, tractor_fix=FixStatus.MISSING, trailer_fix=FixStatus.MISSING)
+    assert monitor.watch(replace(blind, time=100.0), beside(0.0)) is MonitorVerdict.ON_COURSE
+    assert monitor.watch(replace(blind, time=100.1 + BLIND), beside(0.0)) is MonitorVerdict.BLIND
 
 
 def test_a_run_may_begin_only_where_it_would_go_on():

@@ -1,4 +1,4 @@
-"""When the adapter of a steer board lets go or is refused, in a closed loop with stand-ins of both firmwares."""
+"""When the adapter of a steer board releases or is refused, in a closed loop with stand-ins of both firmwares."""
 
 import math
 import struct
@@ -16,7 +16,7 @@ RATES = (5.0, 10.0, 20.0, 50.0, 100.0)
 OTHER = SteerCommand(steer=True, angle=-0.2, speed=2.0).encode()
 
 
-def test_letting_go_stops_the_motor_with_the_next_call(firmware: str) -> None:
+def test_a_release_stops_the_motor_with_the_next_call(firmware: str) -> None:
     bench = Bench(firmware, 100.0)
     bench.engage()
     bench.ask(steer=False)
@@ -27,18 +27,18 @@ def test_letting_go_stops_the_motor_with_the_next_call(firmware: str) -> None:
     assert not bench.board.driving
 
 
-def test_after_letting_go_a_second_of_zeros_comes_first(firmware: str) -> None:
+def test_after_a_release_a_second_of_zeros_comes_first(firmware: str) -> None:
     """Rule 1: three frames of zeros with the steer bit off before the next edge."""
     bench = Bench(firmware)
     bench.engage()
     bench.board.override()
     bench.run(0.2)
-    let_go = bench.time
+    released = bench.time
     bench.ask(steer=False)
     bench.run(0.5)
     bench.ask(steer=True)
     bench.run(3.0)
-    assert bench.ones_after(let_go) == 0
+    assert bench.ones_after(released) == 0
     assert bench.report.readiness is Readiness.TOO_NEW
 
 
@@ -56,7 +56,7 @@ def test_an_operator_who_takes_over_stops_the_motor_within_one_call(firmware: st
     assert bench.ones_after(taken) == 0
     assert not any(driving for time, driving in bench.driven if time > taken)
     assert bench.report.readiness is Readiness.OVERRIDDEN
-    assert bench.adapter.let_go == {"operator took over": 1}
+    assert bench.adapter.releases == {"operator took over": 1}
     bench.ask(steer=False)
     bench.run(2.0)
     assert not bench.report.overridden
@@ -77,7 +77,7 @@ def test_override_is_answered_with_status_0_at_once_whatever_the_pace() -> None:
 
 
 @pytest.mark.parametrize("rate", [3.0, *RATES])
-def test_missing_replies_let_go_and_stay_let_go(firmware: str, rate: float) -> None:
+def test_missing_replies_release_for_good(firmware: str, rate: float) -> None:
     """Rule 3: 200 ms without a reply."""
     bench = Bench(firmware, rate)
     bench.engage()
@@ -111,7 +111,7 @@ def test_a_short_own_gap_is_no_silence_of_the_board(firmware: str) -> None:
     bench.ticks += 10
     bench.run(1.0)
     assert bench.report.engaged
-    assert not bench.adapter.let_go
+    assert not bench.adapter.releases
 
 
 @pytest.mark.parametrize("outage", [0.0, 0.03, 0.1, 0.3, 1.0, 4.0])
@@ -124,10 +124,10 @@ def test_a_board_that_starts_anew_while_engaged_is_never_driven_again(firmware: 
     bench.run(8.0)
     assert bench.ones_after(began + 0.3) == 0
     assert not any(driving for time, driving in bench.driven if time > began + 0.3)
-    assert bench.adapter.let_go
+    assert bench.adapter.releases
 
 
-def test_an_implausible_angle_lets_go(firmware: str) -> None:
+def test_an_implausible_angle_releases(firmware: str) -> None:
     """Rule 3: a jump of the angle in one reply is the same."""
     for angle in (math.radians(5.2), math.radians(51.0)):
         bench = Bench(firmware)
@@ -136,7 +136,7 @@ def test_an_implausible_angle_lets_go(firmware: str) -> None:
         bench.run(0.2)
         assert bench.report.readiness is Readiness.FAULT
         assert not bench.board.driving
-        assert bench.adapter.let_go == {"implausible angle": 1}
+        assert bench.adapter.releases == {"implausible angle": 1}
 
 
 def test_a_board_that_measures_what_cannot_be_is_refused(firmware: str) -> None:
@@ -159,7 +159,7 @@ def test_engaged_means_that_the_board_says_so() -> None:
     assert not bench.report.engaged
 
 
-def test_an_own_gap_lets_go_and_asks_for_a_second_of_zeros(firmware: str) -> None:
+def test_an_own_gap_releases_and_asks_for_a_second_of_zeros(firmware: str) -> None:
     """Rule 4: no silence is followed by status 1."""
     bench = Bench(firmware)
     bench.engage()
@@ -189,7 +189,7 @@ def test_after_an_own_gap_the_first_second_is_zeros() -> None:
     assert bench.time >= gap_ended + 1.0
 
 
-def test_another_computer_lets_go_and_then_is_left_alone(firmware: str) -> None:
+def test_another_computer_releases_and_then_is_left_alone(firmware: str) -> None:
     bench = Bench(firmware)
     bench.engage()
     met = bench.time
@@ -202,7 +202,7 @@ def test_another_computer_lets_go_and_then_is_left_alone(firmware: str) -> None:
     other_sends()
     assert bench.ones_after(met) == 0
     assert bench.report.readiness is Readiness.OTHER_MASTER
-    assert bench.adapter.let_go == {"another computer commands": 1}
+    assert bench.adapter.releases == {"another computer commands": 1}
     zeros = [time for time, _ in bench.sent if time > met]
     assert len(zeros) >= 10
     assert max(zeros) <= met + 1.2
@@ -243,7 +243,7 @@ def test_a_board_that_does_not_begin_is_given_up() -> None:
         bench.tick()
     assert 1 <= bench.ones_after(asked) <= 10
     assert bench.report.readiness is Readiness.NOT_READY
-    assert bench.adapter.let_go == {"did not begin": 1}
+    assert bench.adapter.releases == {"did not begin": 1}
 
 
 def test_a_motor_that_is_not_ready_is_given_up() -> None:
@@ -272,7 +272,7 @@ def test_a_board_that_is_switched_on_is_refused(firmware: str) -> None:
     ("angle", "speed"),
     [(math.nan, 1.0), (math.inf, 1.0), (0.1, math.nan), (0.1, 25.2 / 3.6), (0.1, -math.inf), (0.1, 1e300)],
 )
-def test_what_may_not_be_sent_lets_go(firmware: str, angle: float, speed: float) -> None:
+def test_what_may_not_be_sent_releases(firmware: str, angle: float, speed: float) -> None:
     """Rule 6: no NaN reaches the wire."""
     bench = Bench(firmware)
     bench.engage()
@@ -296,10 +296,10 @@ def test_overspeed_is_refused_before_the_board_does() -> None:
     assert bench.report.engaged
     bench.ask(steer=True, speed=25.01 / 3.6)
     bench.tick()
-    assert bench.adapter.let_go == {"set point or speed not allowed": 1}
+    assert bench.adapter.releases == {"set point or speed not allowed": 1}
 
 
-def test_frames_that_let_go_hold_the_wheel_where_it_is() -> None:
+def test_frames_that_release_hold_the_wheel_where_it_is() -> None:
     bench = Bench("v4")
     bench.wheel.angle = 0.2
     bench.run(1.0)

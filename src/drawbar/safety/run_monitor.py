@@ -1,4 +1,4 @@
-"""Supervisor: watches what the controllers cannot mend (supervisor.h)."""
+"""Run monitor: whether a run may continue (run_monitor.h)."""
 
 from numpy.typing import ArrayLike
 
@@ -12,10 +12,10 @@ _HEADING, _STEERING = 0.013, 0.0056
 estimator's own covariance says (tests/safety/test_blind.py)"""
 
 
-def supervisor_unit(sanity: SanitySettings, vehicle: VehicleParameters) -> Unit:
-    """Return the supervisor, which watches a run from its first step on."""
+def run_monitor_unit(sanity: SanitySettings, vehicle: VehicleParameters) -> Unit:
+    """Return the run monitor, which watches a run from its first step on."""
     settings: dict[str, ArrayLike] = {name: getattr(sanity, name) for name in _SETTINGS}
     settings |= {"heading": _HEADING, "bend": _STEERING / (2.0 * vehicle.wheelbase)}
     return Unit(
-        name="supervisor", source='#include "supervisor.h"', configure=lambda workspace: workspace.write(settings)
+        name="run_monitor", source='#include "run_monitor.h"', configure=lambda workspace: workspace.write(settings)
     )
