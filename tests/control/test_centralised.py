@@ -190,7 +190,7 @@ def product_residuals(one):
     turn = np.arctan(VEHICLE.wheelbase * front[:, 3] + math.tan(e.tractor_crab))
     forward = (turn - e.steering_offset) / e.tractor_slip
     a, b = PRODUCT.tractor, PRODUCT.trailer
-    pace = e.speed if e.speed > 1.1 else 1.0  # speed_weights.h: a change below a tenth is none
+    pace = e.speed if e.speed > 1.1 else 1.0  # rate_weight.h: a change below a tenth is none
 
     def residuals(u):
         x, rates = states(u), u.reshape(HORIZON, 2)

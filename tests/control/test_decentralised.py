@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 from controllers import first, settled
 
-from drawbar.control.settings import ArticulatedTractorWeights
-from drawbar.signals import Actuation, SolverStatus
+from drawbar.signals import SolverStatus
 from drawbar.vehicle.parameters import VehicleParameters
 
 COUPLINGS = ("neglected", "measured", "planned")
@@ -110,17 +109,6 @@ def test_the_tractors_steering_rate_weighs_less_the_faster_it_is(make, situation
     for speed, share in ((0.5, 1.0), (1.05, 1.0), (2.0, 0.5), (2.1, 0.5), (3.0, 1.0 / 3.0), (0.5, 1.0)):
         first(controller, situation(speed=speed))
         assert weight == pytest.approx(np.full(20, share * calm), rel=1e-12)
-
-
-def test_an_offset_is_not_taken_back_within_less_than_the_front_wheels_delay(make, situation):
-    controller, weights = make("articulated"), ArticulatedTractorWeights()
-    w = controller.tractor.solver.w
-    controller.tractor.known(Actuation(dead_time=0.2, tractor_lag=0.5, tractor_rate=0.4, trailer_rate=0.4))
-    for speed in (1.0, 2.0, 3.0, 1.0):
-        first(controller, situation(speed=speed))
-        length = np.sqrt(w[:, 1] / w[:, 0])
-        stated = math.sqrt(weights.heading / weights.lateral)
-        assert length == pytest.approx(np.full(21, max(stated, 0.7 * speed)), rel=1e-12)
 
 
 def test_planned_coupling_sees_what_the_tractor_will_do(make, name, situation):

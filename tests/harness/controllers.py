@@ -17,7 +17,7 @@ from drawbar.control.lqr import lqr_unit
 from drawbar.control.pure_pursuit import pure_pursuit_unit
 from drawbar.control.tricycle import tricycle_tractor_unit, tricycle_trailer_unit
 from drawbar.control.tube.tube import SubsystemTube
-from drawbar.signals import Actuation, BodyPlan, BodyReference, BodySteering, Estimate, Plan, Reference
+from drawbar.signals import BodyPlan, BodyReference, BodySteering, Estimate, Plan, Reference
 from drawbar.vehicle.parameters import VehicleParameters
 
 
@@ -35,10 +35,6 @@ class Controller(Alone):
     def solver(self) -> Solver:
         """Return its solver; those in closed form have none."""
         return Solver(self.live, self.unit.problem)
-
-    def known(self, actuation: Actuation) -> None:
-        """Plan with what is known of the actuators."""
-        self.call("actuation", given(actuation))
 
     def prepare(self) -> int:
         """Do what can be done before the next estimate."""

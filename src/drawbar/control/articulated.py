@@ -6,7 +6,6 @@ from drawbar.codegen import Unit
 from drawbar.control.actuator import actuator_settings
 from drawbar.control.off_tracking import sharing_settings
 from drawbar.control.settings import ArticulatedControllerSettings
-from drawbar.control.speed_weights import speed_weight_settings
 from drawbar.control.steering_bounds import steering_bounds
 from drawbar.control.subsystem import coupling_settings, subsystem_unit
 from drawbar.control.tube.tube import SubsystemTube
@@ -27,7 +26,7 @@ def articulated_tractor_unit(
     problem = _problem(model, settings.horizon, sample_time, errors, weights.steering_rate, tube)
     actuator = actuator_settings(tube, lag=vehicle.steering_lag, sample_time=sample_time)
     sharing = sharing_settings(vehicle, settings.sharing, sample_time)
-    own = {**chain_settings(vehicle), **actuator, **sharing, **speed_weight_settings(weights)}
+    own = {**chain_settings(vehicle), **actuator, **sharing, "rate_weight": weights.steering_rate}
     return subsystem_unit("tractor", problem, tube, "articulated_tractor.h", own)
 
 

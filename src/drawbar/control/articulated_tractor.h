@@ -9,8 +9,8 @@
 #include "chain.h"
 #include "off_tracking.h"
 #include "rate_bounds.h"
+#include "rate_weight.h"
 #include "side_slip.h"
-#include "speed_weights.h"
 #include "subsystem.h"
 
 struct component {
@@ -19,12 +19,12 @@ struct component {
     struct chain chain;
     struct actuator actuator;
     struct shared_error shared;
-    struct speed_weights weights;
+    double rate_weight;                    /* weight on the steering rate up to 1 m/s */
 };
 
 #define COMPONENT_FIELDS                                                                                         \
     SUBSYSTEM_FIELDS CHAIN_FIELDS(component, chain) ACTUATOR_FIELDS(actuator) SHARED_ERROR_FIELDS(shared)        \
-    SPEED_WEIGHTS_FIELDS(weights)
+    SETTING(component, rate_weight, 0, 1, 0, 0)
 
 static void body_state(const struct drawbar_estimate *estimate, double *state)
 {
@@ -42,7 +42,7 @@ static void fill(struct component *component, const struct drawbar_estimate *est
 
     (void)neighbour;
     side_slip_changes(estimate, reference->samples, N + 1, changes, cosines, sines);
-    weigh_by_speed(solver, &component->weights, Y_STEERING_RATE, Y_HEADING_ERROR, estimate->speed);
+    weigh_rate(solver, Y_STEERING_RATE, component->rate_weight, estimate->speed);
     for (int k = 0; k <= N; ++k) {
         const double *sample = reference->samples[k];
         double *p = solver->p[k];
@@ -79,7 +79,6 @@ static void guess(struct rti *solver)
 static void allow_rates(struct component *component, const struct drawbar_actuation *known)
 {
     bound_rate(&component->rti, U_STEERING_RATE, component->actuator.rate_share * known->tractor_rate);
-    component->weights.delay = known->dead_time + known->tractor_lag;
 }
 
 #include "actuated_command.h"

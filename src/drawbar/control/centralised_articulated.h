@@ -14,20 +14,20 @@
 
 #include "centralised.h"
 #include "rate_bounds.h"
+#include "rate_weight.h"
 #include "side_slip.h"
-#include "speed_weights.h"
 
 struct component {
     struct rti rti;
     struct centralised centralised;
     struct chain chain;
     struct actuator tractor_actuator, trailer_actuator;
-    struct speed_weights weights;
+    double rate_weight;                    /* weight on the tractor's steering rate up to 1 m/s */
 };
 
 #define COMPONENT_FIELDS                                                                                     \
     CHAIN_FIELDS(component, chain) ACTUATOR_FIELDS(tractor_actuator) ACTUATOR_FIELDS(trailer_actuator)       \
-    SPEED_WEIGHTS_FIELDS(weights)
+    SETTING(component, rate_weight, 0, 1, 0, 0)
 
 static void vehicle_state(const struct drawbar_estimate *estimate, double *x)
 {
@@ -64,8 +64,7 @@ static void fill(struct component *component, const struct drawbar_estimate *est
 
     side_slip_changes(estimate, tractor->samples, N + 1, changes[0], cosines, sines);
     side_slip_changes(estimate, trailer->samples, N + 1, changes[1], cosines, sines);
-    weigh_by_speed(&component->rti, &component->weights, Y_TRACTOR_STEERING_RATE, Y_TRACTOR_HEADING_ERROR,
-                   estimate->speed);
+    weigh_rate(&component->rti, Y_TRACTOR_STEERING_RATE, component->rate_weight, estimate->speed);
     for (int k = 0; k <= N; ++k) {
         const double *front = tractor->samples[k], *rear = trailer->samples[k];
         double *p = component->rti.p[k];
@@ -123,7 +122,6 @@ static void allow_rates(struct component *component, const struct drawbar_actuat
 
     bound_rate(&component->rti, U_TRACTOR_STEERING_RATE, front);
     bound_rate(&component->rti, U_TRAILER_STEERING_RATE, component->trailer_actuator.rate_share * known->trailer_rate);
-    component->weights.delay = known->dead_time + known->tractor_lag;
 }
 
 static void vehicle_hold(const struct component *component, double tractor, double trailer, double *commands)

@@ -4,7 +4,6 @@ from drawbar.codegen import Unit
 from drawbar.control.actuator import actuator_settings
 from drawbar.control.centralised import centralised_unit
 from drawbar.control.settings import ArticulatedControllerSettings
-from drawbar.control.speed_weights import speed_weight_settings
 from drawbar.control.steering_bounds import steering_bounds
 from drawbar.control.tube.tube import Tubes
 from drawbar.optimal import Bound, ControlProblem
@@ -38,7 +37,7 @@ def centralised_articulated_unit(
         terminal_weights=errors,
         bounds=_bounds(tubes),
     )
-    own = {**chain_settings(vehicle), **speed_weight_settings(tractor)}
+    own = {**chain_settings(vehicle), "rate_weight": tractor.steering_rate}
     for body, tube, sign in (("tractor", tubes.tractor, 1), ("trailer", tubes.trailer, vehicle.joint_sign)):
         own |= actuator_settings(
             tube, lag=vehicle.steering_lag, sample_time=sample_time, sign=sign, place=f"{body}_actuator"

@@ -60,8 +60,7 @@ class ArticulatedTractorWeights(Settings):
     lateral: Positive = 75.0
     """1/m²"""
     heading: NonNegative = 55.0
-    """1/rad²; against the lateral weight it sets the length within which an offset is taken back, sqrt(55/75) m; raised
-    until that is what the vehicle drives within dead time and lag of its front wheels"""
+    """1/rad²; against the lateral weight it sets the length within which an offset is taken back, sqrt(55/75) m"""
     steering: NonNegative = 4.0
     """on the distance to the curvature feed-forward, 1/rad²"""
     steering_rate: Positive = 1.0
