@@ -42,7 +42,7 @@ def spoilt_sources() -> dict[str, str]:
     for name in ("subsystem_phases.h", "moving_horizon.h"):
         assert SOLVE in texts[name]
         text = texts[name].replace(SOLVE, SPOILT)
-        first = text.index("/* Both bodies steer" if name == "subsystem_phases.h" else "/* Start from the first")
+        first = text.index("/* The nominal state, moved" if name == "subsystem_phases.h" else "/* Start from the first")
         texts[name] = f"{text[:first]}int32_t UNIT(fails);\n\n{text[first:]}"
     return texts
 

@@ -66,7 +66,7 @@ def told(sensor: str, speed: float, times: list[float], distances: list[float]) 
 @pytest.mark.parametrize(
     ("sensor", "speed", "settings", "usually", "at_most", "distance"),
     [
-        ("tractor_steering", 0.5, (), 4.5, 8.0, 0.06),
+        ("tractor_steering", 0.5, (), 4.5, 9.0, 0.06),  # seen when the wheels should next have turned by 4 degrees
         ("tractor_steering", 1.0, (), 3.0, 4.0, 0.07),
         ("tractor_steering", 2.0, (), 1.7, 3.0, 0.13),
         ("tractor_steering", 1.0, FINE, 1.8, 3.0, 0.07),
