@@ -106,9 +106,9 @@ static inline void body_lag_learn(struct body_lag *body, const struct drawbar_es
 {
     const double turning = ground_speed(last) * last->tractor_slip / body->wheelbase;
     const double share = body->sample_time / LAG_HIGH_PASS, forgotten = 2.0 * body->sample_time / LAG_MEMORY;
-    double rate;
-    const double lag = body_lag_with(body, last, body->beyond), delayed = body_lag_angle(body, lag, &rate);
-    body_lag_angle(body, lag + (age > 0.0 ? age : 0.0), &rate);
+    double rate, rate_now;
+    const double lag = body_lag_with(body, last, body->beyond), delayed = body_lag_angle(body, lag, &rate_now);
+    (void)body_lag_angle(body, lag + (age > 0.0 ? age : 0.0), &rate);   /* of the time at which it was measured */
     double errors[] = {yaw_rate - turning * delayed, -turning * rate};
 
     if (!isfinite(errors[0] + errors[1]))

@@ -32,7 +32,7 @@ SMALL = {
 }
 """sources whose time hardly counts, and what is asked for them beside these flags: that they are small. Compiled as the
 others are, a typical step of the product would have 1 % fewer instructions on x86-64, nine tenths of them guidance's;
-predictor and supervisor together no fewer."""
+predictor and run monitor together no fewer."""
 _SIZED = "-fstack-size-section"
 _ROLLED = ("-mllvm", "-unroll-allow-partial=false")
 """for a Cortex-M: loops unrolled in part are a fifth more code, for 0.2 % (M4) to 5 % (M7) fewer instructions"""

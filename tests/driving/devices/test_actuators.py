@@ -47,7 +47,9 @@ def test_a_taken_port_keeps_no_board_from_being_opened(port):
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
         taken.bind(("127.0.5.255", port))
         (wire,) = board_wires({"tractor": settings_at(port)})
+        assert wire.transport.connected
         wire.transport.close()
+        assert not wire.transport.connected
 
 
 def test_the_check_tells_another_master(monkeypatch, port):
