@@ -296,7 +296,7 @@ def test_one_of_two_browsers_has_control_and_the_other_sees_who_and_is_refused(d
     press_until(other, page.get_by_text("asks for control"), "Ask for control")
     press(page, "EMERGENCY")
     see(other, "Emergency stop")
-    refused = other.get_by_text("another operator holds the lease").or_(other.get_by_text("the vehicle moves"))
+    refused = other.get_by_text("another operator has control").or_(other.get_by_text("the vehicle moves"))
     press_until(other, refused, "Acknowledge")
     assert other.get_by_text("You have control").count() == 0
 

@@ -59,7 +59,7 @@ class Terminal:
         """
         if self._live is not None:
             return []
-        told, sensors = refusals(state), notices(self._front.controller, state)
+        told, sensors = refusals(state, self._front.controller), notices(self._front.controller, state)
         if state.state is not SupervisorState.STANDBY:
             told = [cause for cause in told if state.steers and cause.response is not Response.NONE]
         return told + sensors
