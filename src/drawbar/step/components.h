@@ -74,6 +74,7 @@ int drawbar_guidance_change(struct component *component, const struct path *path
 int drawbar_guidance_reference(struct component *component, const struct path *path,
                                const struct drawbar_estimate *estimate, struct drawbar_body_reference *tractor,
                                struct drawbar_body_reference *trailer, void *work);
+void drawbar_guidance_rejoin(struct component *component);
 int drawbar_guidance_finished(struct component *component, const struct path *path);
 
 int drawbar_controller_initialise(struct component *component);

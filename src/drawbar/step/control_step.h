@@ -245,6 +245,7 @@ static int follow_driver(struct autopilot *a, struct drawbar_command *command)
     driven.speed = pace_follow(a, now->speed);
     note_sent(a, &driven);
     initialise_controllers(a);
+    drawbar_guidance_rejoin(COMPONENT(a->guidance));
     a->due = 1;
     a->diagnostics.speed = command->speed;
     a->diagnostics.flags |= DRAWBAR_RELEASED;
