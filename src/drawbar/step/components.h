@@ -165,6 +165,7 @@ struct autopilot {
     double sane;                           /* part of the set speed that may be driven, see safety/sanity.h */
     double unsolved;                       /* since estimator and controllers have all had a solution, s */
     double overdue;                        /* by which samples came late, less half of what has passed since, s */
+    double counted;                        /* time that samples were taken for, beyond what has passed, s */
     struct step_settings settings;
     struct path path;                      /* count 0: none */
     struct line_offset offset;             /* of the line that is driven beside the path */
