@@ -12,6 +12,7 @@ from drawbar.geometry import Floats
 from drawbar.guidance.figure_eight import figure_eights
 from drawbar.guidance.importers.line import _LONGEST, _SHORTEST, RecordedLine
 from drawbar.guidance.path import PATH_UNIT
+from drawbar.guidance.settings import LineLimits
 from drawbar.guidance.smoothing import make_drivable
 
 MADE, NULL, POINTS, MEMORY, TIGHT, FAR = range(6)
@@ -56,7 +57,7 @@ def in_python(points: Floats, limits: tuple[float, ...] = LIMITS) -> Floats:
     """Return the nodes that drawbar path writes."""
     line = RecordedLine(name="line", x=points[:, 0], y=points[:, 1], frame=None, repeated=0)
     curvature, rate, tolerance = limits
-    drivable = make_drivable(line, curvature_limit=curvature, curvature_rate_limit=rate, tolerance=tolerance)
+    drivable = make_drivable(line, LineLimits(curvature=curvature, curvature_rate=rate, tolerance=tolerance))
     return drivable.path.nodes
 
 

@@ -11,6 +11,7 @@ from drawbar.geometry import Floats
 from drawbar.guidance.figure_eight import figure_eights
 from drawbar.guidance.importers.line import RecordedLine
 from drawbar.guidance.path import PATH_UNIT, PIECE_LENGTH, CPath, Path
+from drawbar.guidance.settings import LineLimits
 from drawbar.guidance.smoothing import make_drivable
 
 RADIUS = 6.67
@@ -150,7 +151,7 @@ def first_wrong(nodes: Floats) -> int:
 def recorded() -> Path:
     s = np.linspace(0.0, 60.0, 40)
     line = RecordedLine(name="wave", x=s, y=3.0 * np.sin(s / 9.0), repeated=0)
-    return make_drivable(line, curvature_limit=0.2, curvature_rate_limit=0.3, tolerance=0.5).path
+    return make_drivable(line, LineLimits(curvature=0.2, curvature_rate=0.3, tolerance=0.5)).path
 
 
 @pytest.mark.parametrize("path", [figure_eights((10.0, 6.67, 3.0), 20.0), arc(2.5), arc(0.6), recorded()])
