@@ -182,7 +182,7 @@ class Watcher:
         labels = (each for each in self.user.client.elements.values() if isinstance(each, ui.label))
         return "\n".join(each.text for each in labels if _seen(each))
 
-    def told(self):
+    def notifications(self):
         return " / ".join(self.user.notify.messages)
 
 

@@ -337,9 +337,9 @@ def _parts(records: Iterator[Logged]) -> LogParts:
                     yield record
             elif isinstance(record, Metadata) and record.name == OUTCOME_NAME:
                 losses.end()
-                told = _outcome(record.metadata)
-                outcome = told or outcome
-                losses.texts += [] if told else ["how the run ended is damaged"]
+                ended = _outcome(record.metadata)
+                outcome = ended or outcome
+                losses.texts += [] if ended else ["how the run ended is damaged"]
             elif isinstance(record, Damage):
                 losses.add(record)
         losses.end()
@@ -351,11 +351,11 @@ def _parts(records: Iterator[Logged]) -> LogParts:
     return LogParts(header=decoded, steps=steps(), outcome=lambda: outcome, losses=lambda: tuple(losses.texts))
 
 
-def _outcome(told: Mapping[str, str]) -> Outcome | None:
+def _outcome(metadata: Mapping[str, str]) -> Outcome | None:
     """Return how a run ended; None: that is damaged."""
-    if told.get("finished") not in ("true", "false") or "reason" not in told:
+    if metadata.get("finished") not in ("true", "false") or "reason" not in metadata:
         return None
-    return Outcome(finished=told["finished"] == "true", reason=told["reason"])
+    return Outcome(finished=metadata["finished"] == "true", reason=metadata["reason"])
 
 
 def log_of(run: Path) -> Path:
