@@ -23,7 +23,7 @@ from drawbar.console.visitors import Rank
 from drawbar.console.words import Words
 from drawbar.errors import DrawbarError
 from drawbar.messages import Action, OperatorMessage, SupervisorState
-from drawbar.recording.chunks import ChunkedWriter
+from drawbar.recording.chunked_writer import ChunkedWriter
 from drawbar.recording.recorder import Recorder
 from drawbar.report.folder import write_report
 from drawbar.safety.causes import Cause
