@@ -56,7 +56,7 @@ int UNIT(reference)(struct component *component, const struct path *path, const 
         double places[STAGES + 1];
         for (int j = 0; j <= STAGES; ++j)
             places[j] = component->look_ahead + component->advance[i] * j + guidance->progress[i];
-        path_samples(path, places, STAGES + 1, guidance->samples[i]);
+        drawbar_path_samples(path, places, STAGES + 1, guidance->samples[i]);
     }
     guidance_to_branch(guidance, estimate);
     return DRAWBAR_GUIDANCE_FINE;

@@ -106,7 +106,7 @@ static int preview_astray(const struct component *component, const struct path *
     if (component->approach.count > 0)
         approach_sample(&component->approach, path, component->approached, sample);
     else
-        path_sample(path, component->furthest[TRACTOR], sample);
+        drawbar_path_sample(path, component->furthest[TRACTOR], sample);
     return fabs(wrapped(yaw - sample[AT_YAW])) > ASTRAY;
 }
 
@@ -179,7 +179,7 @@ static void preview_samples_beside(struct component *component, const struct pat
         if (body == TRACTOR && component->approach.count > 0) {
             approach_sample(&component->approach, path, component->approached + step * j, samples[j]);
         } else {
-            path_sample(path, place, samples[j]);
+            drawbar_path_sample(path, place, samples[j]);
             stretch = preview_apply_join(&component->joins[body], place, samples[j]);
         }
         place = path_ahead(path, place, step / fmax(stretch + left * samples[j][AT_CURVATURE], 0.2));
@@ -198,7 +198,7 @@ static APART void preview_samples(struct component *component, const struct path
     }
     for (int j = 0; j <= STAGES; ++j)
         places[j] = component->furthest[body] + speed * (component->interval * j);
-    path_samples(path, places, STAGES + 1, component->guidance.samples[body]);
+    drawbar_path_samples(path, places, STAGES + 1, component->guidance.samples[body]);
 }
 
 /* What both controllers shall follow now; returns an enum drawbar_guidance. */

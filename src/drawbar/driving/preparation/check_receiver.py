@@ -101,8 +101,8 @@ def _describe(finding: Finding, epochs: list[Epoch], frame: LocalFrame, receiver
     finding.clock = last.utc - last.received
     span = last.time - epochs[0].time
     rate = (len(epochs) - 1) / span if span > 0.0 else math.nan
-    told = f"{rate:.1f} Hz, " if math.isfinite(rate) else ""
-    finding.facts.append(f"{told}{', '.join(sorted(receiver.kinds))}")
+    rate_text = f"{rate:.1f} Hz, " if math.isfinite(rate) else ""
+    finding.facts.append(f"{rate_text}{', '.join(sorted(receiver.kinds))}")
     if rate < _ENOUGH / sample_time:
         needed = f"{1.0 / sample_time:g}"
         finding.problems.append(
