@@ -62,6 +62,8 @@ class Controller:
         self._autopilot.set_engaged(False)
         self._stands = False
         """the driver has halted"""
+        self._made_engaged = False
+        """the newest command was made while engaged: before that it repeats the steering, with a speed of zero"""
         self._uncertainty_of = uncertainty_of(self._autopilot, configuration)
         self.uncertainty = Uncertainty()
         """of the newest estimate"""
@@ -119,7 +121,7 @@ class Controller:
             measurement = self._believed(measurement)
             self._halt(measurement)
         self._status, self._command = self._rollback.feedback(measurement)
-        self._measurement = measurement
+        self._measurement, self._made_engaged = measurement, self.engaged
         return self.repeat(now)
 
     def _halt(self, measurement: Measurement) -> None:
@@ -266,7 +268,8 @@ class Controller:
     def _mode(self) -> Mode:
         if self._status.has_ended:
             return Mode.STOP if self.engaged else Mode.IDLE
-        return Mode.DRIVE if self.engaged and self._status < Status.POSITION else Mode.IDLE
+        drives = self.engaged and self._made_engaged
+        return Mode.DRIVE if drives and self._status < Status.POSITION else Mode.IDLE
 
     def _choose_line(self, offset: float, nudge: float) -> None:
         """Drive the line so far left of the configured one, m, and nudged.
