@@ -127,3 +127,13 @@ def test_a_position_that_is_not_believed_refuses_to_engage_and_a_drive_goes_on()
     bench.controller = told
     bench.run(1.0)
     assert bench.state is SupervisorState.ACTIVE
+
+
+def test_mirrored_front_wheels_refuse_to_engage_and_release_the_steering():
+    told = {"notices": (Cause.STEERING_MIRRORED.value, *[0] * 7)}
+    assert setting_looks.refuses(Cause.STEERING_MIRRORED, **told)(SafetySettings())
+    assert not setting_looks.refuses(Cause.STEERING_MIRRORED)(SafetySettings())
+    bench = Bench(SafetySettings()).drive()
+    bench.controller = told
+    bench.run(0.3)
+    assert bench.state is SupervisorState.FAULT

@@ -99,6 +99,8 @@ CAUSES_DE: Mapping[Cause, tuple[str, str]] = {
         "Anzeige der Maschine ansehen; wieder einschalten"),
     Cause.STEERING_JUMPED: ("ein gemessener Lenkwinkel ist gesprungen",
         "Gestänge und Kabel des Sensors prüfen, dann neu kalibrieren"),
+    Cause.STEERING_MIRRORED: ("der Traktor dreht anders herum, als seine Vorderräder gemessen werden",
+        "Sensor und Motor sind beide verkehrt herum: beide Vorzeichen ändern, dann drawbar check --wiggle"),
     Cause.SILENT: ("eine Lenkung meldet sich nicht",
         "Strom, Kabel und Adresse prüfen"),
     Cause.TOO_NEW: ("eine Lenkung meldet sich erst seit weniger als einer Sekunde",

@@ -140,6 +140,8 @@ class Cause(Enum):
         "see the machine's own display; engage again")
     STEERING_JUMPED = (409, False, Response.RELEASE, "a measured steering angle has jumped",
         "check the sensor's linkage and cable, then calibrate it again")
+    STEERING_MIRRORED = (410, True, Response.RELEASE, "the tractor turns the other way than its wheels are measured",
+        "sensor and motor are both the wrong way round: change both signs, then run drawbar check --wiggle")
     SILENT = (411, True, Response.RELEASE, "an actuator reports nothing",
         "check its power, its cable and its address")
     TOO_NEW = (412, True, Response.RELEASE, "an actuator has reported for less than a second",

@@ -88,6 +88,8 @@ class Observation:
     """the antennas move backwards, by what the controller says"""
     rejected: bool = False
     """the position of one antenna is not believed, by what the controller says"""
+    mirrored: bool = False
+    """the tractor turns the other way than its front wheels are measured, by what the controller says"""
     not_following: bool = False
     """a steering contradicts its commands, by what the controller says, which has ended its run for it while driving"""
     recording: bool = False
@@ -138,6 +140,7 @@ _PRESENT: dict[Cause, Present] = {
     Cause.STEERING_STUCK: lambda o, s: o.stuck or o.not_following,
     Cause.STEERING_REVERSED: lambda o, s: o.reversed,
     Cause.STEERING_JUMPED: lambda o, s: o.jumped,
+    Cause.STEERING_MIRRORED: lambda o, s: o.mirrored,
     Cause.ACTUATOR_RELEASED: lambda o, s: o.released,
     Cause.GATE_LATE: lambda o, s: o.late_ago < s.engage.clean,
     Cause.SUSPENDED: lambda o, s: o.suspended,

@@ -7,6 +7,7 @@ from contextlib import suppress
 from drawbar.config import Configuration
 from drawbar.driving.fault_detection.antennas_apart import AntennasApart
 from drawbar.driving.fault_detection.fault_exclusion import FaultExclusion
+from drawbar.driving.fault_detection.mirrored_steering import MirroredSteering
 from drawbar.driving.fault_detection.notices import Notices
 from drawbar.driving.fault_detection.position_drift import PositionDrift
 from drawbar.driving.fault_detection.rollback import Rollback
@@ -69,6 +70,7 @@ class Controller:
         """of the newest estimate"""
         self._exclusion = FaultExclusion(configuration.sanity, configuration.vehicle, configuration.sample_time)
         self._drift, self._swapped = PositionDrift(), SwappedReceivers()
+        self._mirrored = MirroredSteering(configuration.vehicle, configuration.sample_time)
         self._apart = AntennasApart(configuration.vehicle.masts, configuration.sample_time)
         self._notices = Notices(self._autopilot)
         self._rollback = Rollback(self._autopilot, configuration.sample_time)
@@ -112,6 +114,8 @@ class Controller:
         self._drift.hear(fixes)
         self._notices.hear_fixes(fixes)
         self._swapped.hear(fixes)
+        forwards = not self._swapped.found  # backwards it turns the other way
+        self._mirrored.hear(fixes, self._gate.tractor_angle if self._gate and forwards else math.nan)
 
     def feedback(self, measurement: Measurement, now: int) -> CommandMessage:
         """Return the command that answers a measurement; call prepare() once it is out."""
@@ -177,7 +181,7 @@ class Controller:
         if not self._status.has_ended:  # a run that has ended estimates nothing more
             self._record = record
             self._judge(record)
-            self._notices.update(record, self._exclusion, drifts=self._dead_reckons)
+            self._notices.update(record, self._exclusion, drifts=self._dead_reckons, mirrored=self._mirrored.found)
             self.uncertainty = Uncertainty() if self._exclusion.is_active else uncertainty
         return record
 
