@@ -71,6 +71,8 @@ CAUSES_DE: Mapping[Cause, tuple[str, str]] = {
         "beide Sensoren, Gestänge und Kabel prüfen, dann neu kalibrieren"),
     Cause.YAW_REJECTED: ("Richtung oder Drehrate des Traktors widerspricht der Bewegung",
         "Einbau und Kabel seiner Antennen oder seines Drehratensensors prüfen"),
+    Cause.ANTENNA_DISTANCE: ("beide Antennen sind nicht so weit voneinander, wie Längen und Winkel ergeben",
+        "beiden Empfängern dieselben Korrekturen geben; sonst Längen, Antennenorte und Knickwinkelsensor prüfen"),
     Cause.TOO_SLOW: ("das Fahrzeug steht oder ist zu langsam",
         "anfahren, dann einschalten"),
     Cause.TOO_FAST: ("das Fahrzeug ist zu schnell",

@@ -110,6 +110,8 @@ class Cause(Enum):
         "check both sensors, their linkages and cables, then calibrate them again")
     YAW_REJECTED = (221, False, Response.NOTIFY, "the tractor's yaw or yaw rate contradicts the motion",
         "check how its antennas or its inertial sensor are mounted and wired")
+    ANTENNA_DISTANCE = (222, True, Response.NOTIFY, "both antennas are not as far apart as lengths and angles say",
+        "give both receivers the same corrections; else check lengths, places of the antennas and the hitch sensor")
 
     TOO_SLOW = (301, True, Response.NONE, "the vehicle stands or is too slow",
         "begin to drive, then engage")

@@ -88,6 +88,8 @@ class Observation:
     """the antennas move backwards, by what the controller says"""
     rejected: bool = False
     """the position of one antenna is not believed, by what the controller says"""
+    far_apart: bool = False
+    """both antennas are not as far apart as the vehicle is long, by what the controller says"""
     mirrored: bool = False
     """the tractor turns the other way than its front wheels are measured, by what the controller says"""
     not_following: bool = False
@@ -129,6 +131,7 @@ _PRESENT: dict[Cause, Present] = {
     Cause.HITCH_FOLDED: lambda o, s: not (abs(o.hitch_angle) <= s.drive.hitch_angle),
     Cause.RECEIVERS_SWAPPED: lambda o, s: o.backwards,
     Cause.POSITION_REJECTED: lambda o, s: o.rejected,
+    Cause.ANTENNA_DISTANCE: lambda o, s: o.far_apart,
     Cause.SENSORS_LOST: lambda o, s: not (o.speed_received or o.fix_age <= s.timing.fix + s.timing.speed),
     Cause.TOO_SLOW: lambda o, s: not (o.drives or o.speed >= s.engage.speed),
     Cause.TOO_FAST: lambda o, s: o.speed > s.envelope.speed,

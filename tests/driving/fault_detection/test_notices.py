@@ -19,6 +19,7 @@ from drawbar.signals import FixStatus
 from drawbar.simulation import build_path
 
 NOTHING = SimpleNamespace(excludes_positions=False, excludes_trailer=False)
+ALL_RIGHT = {"drifts": False, "mirrored": False, "far_apart": False}
 ACCEPTED, REJECTED = FixStatus.ACCEPTED, FixStatus.REJECTED
 
 
@@ -36,7 +37,7 @@ class Told:
         """Let a step pass; return what is told."""
         estimate = SimpleNamespace(tractor_fix=fixes[0], trailer_fix=fixes[1], tractor=SimpleNamespace(yaw=0.5))
         measurement = replace(measured(0.0, 0.0, 0.0, 0.0), tractor_yaw=yaw)
-        self.notices.update(SimpleNamespace(estimate=estimate, measurement=measurement), exclusion, **found)
+        self.notices.update(SimpleNamespace(estimate=estimate, measurement=measurement), exclusion, **ALL_RIGHT | found)
         assert len(self.notices.codes) == MOST
         return [BY_CODE[code] for code in self.notices.codes if code]
 

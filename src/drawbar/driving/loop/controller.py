@@ -5,6 +5,7 @@ from collections.abc import Callable
 from contextlib import suppress
 
 from drawbar.config import Configuration
+from drawbar.driving.fault_detection.antenna_distance import AntennaDistance
 from drawbar.driving.fault_detection.antennas_apart import AntennasApart
 from drawbar.driving.fault_detection.fault_exclusion import FaultExclusion
 from drawbar.driving.fault_detection.mirrored_steering import MirroredSteering
@@ -72,6 +73,7 @@ class Controller:
         self._drift, self._swapped = PositionDrift(), SwappedReceivers()
         self._mirrored = MirroredSteering(configuration.vehicle, configuration.sample_time)
         self._apart = AntennasApart(configuration.vehicle.masts, configuration.sample_time)
+        self._distance = AntennaDistance(configuration.vehicle, configuration.sample_time)
         self._notices = Notices(self._autopilot)
         self._rollback = Rollback(self._autopilot, configuration.sample_time)
         self._gate: GateState | None = None
@@ -181,7 +183,13 @@ class Controller:
         if not self._status.has_ended:  # a run that has ended estimates nothing more
             self._record = record
             self._judge(record)
-            self._notices.update(record, self._exclusion, drifts=self._dead_reckons, mirrored=self._mirrored.found)
+            self._notices.update(
+                record,
+                self._exclusion,
+                drifts=self._dead_reckons,
+                mirrored=self._mirrored.found,
+                far_apart=self._distance.update(record),
+            )
             self.uncertainty = Uncertainty() if self._exclusion.is_active else uncertainty
         return record
 
