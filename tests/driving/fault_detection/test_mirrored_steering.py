@@ -18,7 +18,9 @@ from drawbar.vehicle.parameters import Mast, Masts, VehicleParameters
 DEGREE = math.pi / 180.0
 
 
-def found(steering, *, sign=1.0, speed=1.0, sample_time=0.2, until=30.0, ahead=0.0, disturbance=None, yaw=math.nan):
+def found(
+    steering, *, sign=1.0, speed=1.0, sample_time=0.2, until=30.0, ahead=0.0, disturbance=None, yaw=math.nan, late=0.1
+):
     """Drive with front wheels at angles of time; return when it is found that they are mirrored, and whether at last.
 
     `sign` of what is measured; `disturbance` of the course by the ground, rad, as a function of time.
@@ -31,6 +33,7 @@ def found(steering, *, sign=1.0, speed=1.0, sample_time=0.2, until=30.0, ahead=0
         course = heading + math.atan(ahead * curvature) + rng.normal(0.0, 0.01 / speed)
         course += disturbance(time) if disturbance is not None else 0.0
         values = dict.fromkeys((field.name for field in fields(Fixes)), 0) | {"epoch": round((1.0 + time) * 1e9)}
+        values |= {"time": values["epoch"] + round(late * 1e9)}
         values |= {"tractor_speed": speed, "tractor_course": math.remainder(course, math.tau), "tractor_yaw": yaw}
         detector.hear(Fixes(**values), sign * angle)
         first = min(first, time) if detector.found else first
@@ -96,6 +99,11 @@ def test_it_stays_found_on_a_straight_until_the_opposite_shows():
 def test_backwards_nothing_is_judged():
     assert found(turn_in, sign=-1.0, yaw=3.0 - math.pi, until=14.0) == (math.inf, False)
     assert found(turn_in, sign=-1.0, yaw=3.0, until=14.0)[1]
+
+
+@pytest.mark.parametrize(("late", "is_found"), [(0.2, True), (0.5, False)])
+def test_epochs_that_are_late_say_nothing(late, is_found):
+    assert found(turn_in, sign=-1.0, late=late, until=14.0)[1] is is_found
 
 
 @pytest.mark.parametrize("speed", [1.0, 2.0])

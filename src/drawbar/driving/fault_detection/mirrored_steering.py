@@ -19,6 +19,8 @@ _SPAN = 3.0
 """of the regression, s"""
 _GAP = 0.5
 """longest between two epochs, s"""
+_OLDEST = 0.3
+"""of an epoch: the steering has moved on since, s"""
 _LEAST_SPEED = 0.3
 """below which a velocity has no direction, m/s"""
 _SPREAD = math.radians(2.0)
@@ -54,10 +56,11 @@ class MirroredSteering:
         """the steering is mirrored"""
 
     def hear(self, fixes: Fixes, steering: float) -> None:
-        """Update with an epoch and the measured angle of the front wheels, rad; where either is missing, begin anew."""
+        """Update with an epoch and the measured angle of the front wheels, rad; begin anew without either, or late."""
         time, speed, course = seconds(fixes.epoch), fixes.tractor_speed, fixes.tractor_course
         known = speed >= _LEAST_SPEED and math.isfinite(course + steering)
-        if not known or math.cos(course - fixes.tractor_yaw) < 0.0:  # backwards; not where no yaw is known
+        fresh = seconds(fixes.time) - time <= _OLDEST
+        if not (known and fresh) or math.cos(course - fixes.tractor_yaw) < 0.0:  # backwards; not where no yaw is known
             self._samples.clear()
             return
         curvature = math.tan(steering) / self._wheelbase
