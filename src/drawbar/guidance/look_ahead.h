@@ -15,6 +15,12 @@ struct component {
 #define COMPONENT_FIELDS                                                                                          \
     GUIDANCE_FIELDS(component, guidance.) SETTING(component, look_ahead, 0, 1, 0, 0) SETTING(component, advance, 0, BODIES, 0, 0)
 
+/* The look-ahead alone leads onto the line. */
+void UNIT(rejoin)(struct component *component)
+{
+    (void)component;
+}
+
 /* Place both bodies on the path from where they stand when the run begins; returns an enum drawbar_guidance. */
 int UNIT(begin)(struct component *component, const struct path *path, double start,
                 const struct drawbar_measurement *first, double *distance)

@@ -245,6 +245,7 @@ static int follow_driver(struct autopilot *a, struct drawbar_command *command)
     driven.speed = pace_follow(a, now->speed);
     note_sent(a, &driven);
     initialise_controllers(a);
+    drawbar_guidance_rejoin(COMPONENT(a->guidance));
     a->due = 1;
     a->diagnostics.speed = command->speed;
     a->diagnostics.flags |= DRAWBAR_RELEASED;
@@ -353,6 +354,8 @@ static int feed_back(struct autopilot *a, const struct drawbar_measurement *meas
         }
     } else {
         left_out = pace_left_out(a, elapsed);
+        if (pace_is_of_another_rate(a))
+            return end_run(a, DRAWBAR_RATE, command);
         catch_up(a, left_out);
     }
     if (drawbar_guidance_finished(COMPONENT(a->guidance), &a->path))

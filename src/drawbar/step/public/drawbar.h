@@ -22,6 +22,7 @@
  *
  * Where estimator or controllers have no solution, or samples come late, the vehicle goes on along its last plan, slower
  * after half a second (DRAWBAR_SLOWED), and stops after three seconds at the latest (DRAWBAR_UNSOLVED, DRAWBAR_OVERDUE).
+ * Where time stamps say that calls come at another rate than DRAWBAR_SAMPLE_TIME, it is stopped (DRAWBAR_RATE).
  */
 #ifndef DRAWBAR_H
 #define DRAWBAR_H
