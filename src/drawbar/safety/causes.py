@@ -82,7 +82,7 @@ class Cause(Enum):
     HEADING_UNSURE = (207, True, Response.DEGRADE, "the heading is not certain enough",
         "drive two or three metres straight ahead")
     OFF_LINE = (208, True, Response.NONE, "a body is too far from the line, or its distance is not known",
-        "drive closer to the line")
+        "drive slowly along the line, close to it")
     LINE_LOST = (209, True, Response.STOP, "a body has left the line",
         "drive back to the line")
     ACROSS_LINE = (210, True, Response.NONE, "a body does not point along the line, or its direction is not known",
@@ -198,11 +198,11 @@ class Cause(Enum):
         "acknowledge when standing")
     NOT_GUARDED = (610, True, Response.NOTIFY, "the guard, which releases the boards where the gate cannot, is silent",
         "steering continues; stop when it suits, end other programs, start drawbar again")
-    LEASE_HELD = (621, False, Response.NONE, "another operator holds the lease",
-        "let that one release it, or fall silent")
-    NOT_ARMED = (622, False, Response.NONE, "the gate is not armed, or no longer",
-        "arm, then engage within a few seconds")
-    STATE_NOT_READY = (623, False, Response.NONE, "the gate is not ready",
+    LEASE_HELD = (621, False, Response.NONE, "another operator has control",
+        "wait until that one gives it up, or falls silent")
+    NOT_ARMED = (622, False, Response.NONE, "engaging is not prepared, or no longer",
+        "prepare, then engage within a few seconds")
+    STATE_NOT_READY = (623, False, Response.NONE, "it is not ready to engage",
         "see what stands against it; acknowledge a state that waits for it")
     SEEN_OLD = (624, False, Response.NONE, "what the operator saw is too old",
         "look again, then repeat")
