@@ -189,11 +189,9 @@ class FieldsPage:
             field,
             line,
             round(numbers[0]),
+            configuration.guidance.line_limits(configuration.vehicle.curvature_limit),
             width=float(numbers[1]),
             offset=float(numbers[2]) / 100.0,
-            curvature_limit=configuration.vehicle.curvature_limit,
-            curvature_rate_limit=configuration.guidance.curvature_rate_limit,
-            tolerance=configuration.guidance.path_tolerance,
         )
 
     def _said(self) -> str:

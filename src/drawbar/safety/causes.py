@@ -110,6 +110,8 @@ class Cause(Enum):
         "check both sensors, their linkages and cables, then calibrate them again")
     YAW_REJECTED = (221, False, Response.NOTIFY, "the tractor's yaw or yaw rate contradicts the motion",
         "check how its antennas or its inertial sensor are mounted and wired")
+    ANTENNA_DISTANCE = (222, True, Response.NOTIFY, "both antennas are not as far apart as lengths and angles say",
+        "give both receivers the same corrections; else check lengths, places of the antennas and the hitch sensor")
 
     TOO_SLOW = (301, True, Response.NONE, "the vehicle stands or is too slow",
         "begin to drive, then engage")
@@ -140,6 +142,8 @@ class Cause(Enum):
         "see the machine's own display; engage again")
     STEERING_JUMPED = (409, False, Response.RELEASE, "a measured steering angle has jumped",
         "check the sensor's linkage and cable, then calibrate it again")
+    STEERING_MIRRORED = (410, True, Response.RELEASE, "the tractor turns the other way than its wheels are measured",
+        "sensor and motor are both the wrong way round: change both signs, then run drawbar check --wiggle")
     SILENT = (411, True, Response.RELEASE, "an actuator reports nothing",
         "check its power, its cable and its address")
     TOO_NEW = (412, True, Response.RELEASE, "an actuator has reported for less than a second",

@@ -161,7 +161,7 @@ def serve(
     faults: Sequence[PlannedFault] = (),
     tell: Callable[[str], None] = lambda words: None,
     firmware: Firmware = Firmware.AIO_V4,
-    begun: Callable[[], None] = lambda: None,
+    ready: Callable[[], None] = lambda: None,
 ) -> int:
     """Be the machine until told to end; return an exit code.
 
@@ -170,7 +170,7 @@ def serve(
         faults: of the machine.
         tell: is given what happens when one begins.
         firmware: of all boards.
-        begun: is called once all devices are there.
+        ready: is called once all devices are there.
 
     Raises:
         ConfigurationError: the machine does not have the device that one is a fault of.
@@ -191,7 +191,7 @@ def serve(
             print(f"stand-in: {error}", file=sys.stderr)
             return 2
         shutdown, seen = ShutdownRequest(), -math.inf
-        begun()
+        ready()
         schedule_first(_PRIORITY)
         while not shutdown.asked:
             for data in endpoint.receive():
