@@ -262,6 +262,16 @@ def estimate(tractor: float, trailer: float) -> Estimate:
     return Estimate(time=0.0, tractor=pose, trailer=pose, status=SolverStatus.SOLVED, **slips, **angles, **known)
 
 
+def test_a_sensor_that_repeats_itself_is_not_stuck_while_the_expected_angle_catches_up() -> None:
+    """The first seconds of a run: the wheels have no dead time, which is not known yet; rounded to 1°."""
+    identification = Identification(VehicleParameters(), ActuationSettings(), SAMPLE)
+    angles = DEGREE * np.array([0.0, -1.0, 4.0, 4.0, 4.0, 4.0, 4.0])
+    sent = DEGREE * np.array([-2.0, 9.85, 5.22, 3.23, 3.39, 3.66, 3.52])
+    for k, (angle, command) in enumerate(zip(angles, sent, strict=True)):
+        assert identification.measured(replace(measurement(SAMPLE * k, angle, 0.0), speed=0.5)) == 0
+        identification.sent(Command(time=SAMPLE * k, tractor_steering=command, trailer_steering=0.0, speed=0.5))
+
+
 def test_an_adapted_command_moves_the_slow_actuator_as_the_stated_one() -> None:
     identification = fed(0.0, 0.9, samples=600)
     identified = identification.found()

@@ -37,6 +37,11 @@ TEXTS: Mapping[str, tuple[str, str]] = {
         "Press 1 Prepare, then within five seconds 2 Engage.",
         "1 Vorbereiten drücken, dann innerhalb von fünf Sekunden 2 Einschalten.",
     ),
+    "next_latched": (
+        "Wait until the vehicle stands, then press Acknowledge.",
+        "Warten, bis das Fahrzeug steht, dann Bestätigen drücken.",
+    ),
+    "next_override": ("Press Acknowledge.", "Bestätigen drücken."),
     "warnings": ("Attention while driving", "Achtung während der Fahrt"),
     "because": ("Because: {cause}", "Grund: {cause}"),
     "wait_ready": ("All is well; wait two seconds.", "Alles in Ordnung; zwei Sekunden warten."),

@@ -27,7 +27,7 @@ struct component {
     double approached;                     /* progress on the approach, m */
     struct approach approach;
     int32_t joined;                        /* the joins are laid: else the next references begin there */
-    struct line_offset joins[BODIES];      /* the ways onto the line from where each body began beside it */
+    struct offset_shift joins[BODIES];     /* of each body, onto the line from where it began beside it; change 0: none */
 };
 
 #define WORK struct onto_line              /* what the search for turns borrows, see workspace.h */
@@ -69,7 +69,7 @@ int UNIT(change)(struct component *component, const struct path *path, double st
         return status;
     preview_restart(component);
     for (int i = 0; i < BODIES; ++i)
-        component->joins[i].shifts[0].start += progress[i] - before[i];
+        component->joins[i].start += progress[i] - before[i];
     return status;
 }
 
@@ -128,42 +128,39 @@ static int preview_turn(struct component *component, const struct path *path, co
     return approach_find(&component->approach, path, &beside, &component->limits, component->room, line);
 }
 
-/* Lay a body's way onto the line, from so far (m) to its left and at a speed, m/s. */
-static void preview_lay_join(struct component *component, int body, double left, double speed)
+/* A body's way onto the line, from so far (m) to its left and at a speed, m/s. */
+static struct offset_shift preview_join(const struct component *component, int body, double left, double speed)
 {
-    const double pace = fmax(speed, JOIN_SLOWEST);
-    const double length = offset_length(left, (double)INFINITY, JOIN_JERK / (pace * pace * pace));
-    struct line_offset *join = &component->joins[body];
+    const double pace = fmax(speed, JOIN_SLOWEST), rate = JOIN_JERK / (pace * pace * pace);
+    const int joins = fabs(left) * component->limits.curvature <= JOIN_WIDEST;
 
-    *join = (struct line_offset){0};
-    if (left == 0.0 || fabs(left) * component->limits.curvature > JOIN_WIDEST)
-        return;
-    join->passed = left;
-    join->shifts[0] = (struct offset_shift){component->furthest[body], length, -left};
-    join->count = 1;
+    return (struct offset_shift){
+        component->furthest[body], offset_length(left, (double)INFINITY, rate), joins ? -left : 0.0};
 }
 
 /* Lay the ways onto the line where there are none yet, and forget those that are at their end, or that turns replace. */
-static void preview_join(struct component *component, struct drawbar_body_reference *const references[BODIES], double speed)
+static void preview_lay_joins(struct component *component, struct drawbar_body_reference *const references[BODIES],
+                              double speed)
 {
-    const int turns = component->approach.count > 0;
-
     for (int i = 0; i < BODIES; ++i) {
-        if (turns || !component->joined)
-            preview_lay_join(component, i, turns ? 0.0 : references[i]->lateral_error, speed);
-        offset_forget(&component->joins[i], component->furthest[i]);
+        struct offset_shift *join = &component->joins[i];
+        if (!component->joined)
+            *join = preview_join(component, i, references[i]->lateral_error, speed);
+        if (component->approach.count > 0 || component->furthest[i] > join->start + join->length)
+            join->change = 0.0;
     }
     component->joined = 1;
 }
 
 /* Lead a sample of the line, at an arc length (m), onto the join. Returns how much faster that continues than the line. */
-static double preview_apply_join(const struct line_offset *join, double arc_length, double *sample)
+static double preview_apply_join(const struct offset_shift *join, double arc_length, double *sample)
 {
+    const struct line_offset offset = {.passed = -join->change, .shifts = {*join}, .count = 1};
     const double curvature = sample[AT_CURVATURE];
     double at[3];
 
-    offset_at(join, arc_length, at);
-    offset_apply(join, arc_length, sample);
+    offset_at(&offset, arc_length, at);
+    offset_apply(&offset, arc_length, sample);
     return offset_stretch(at, curvature);
 }
 
@@ -192,7 +189,7 @@ static APART void preview_samples(struct component *component, const struct path
     double places[STAGES + 1];
 
     if ((body == TRACTOR && component->approach.count > 0) || component->guidance.tracked[body].arm[1] != 0.0
-        || !offset_is_none(path->offset) || !offset_is_none(&component->joins[body])) {
+        || !offset_is_none(path->offset) || component->joins[body].change != 0.0) {
         preview_samples_beside(component, path, body, speed * component->interval);
         return;
     }
@@ -218,7 +215,7 @@ int UNIT(reference)(struct component *component, const struct path *path, const 
     preview_advance(component, &tracked.tractor);
     if (!preview_turn(component, path, &tracked, work))
         return DRAWBAR_GUIDANCE_NO_WAY;
-    preview_join(component, references, speed);
+    preview_lay_joins(component, references, speed);
     for (int i = 0; i < BODIES; ++i)
         preview_samples(component, path, i, speed);
     guidance_to_branch(guidance, estimate);

@@ -59,7 +59,7 @@ class Terminal:
         """
         if self._live is not None:
             return []
-        causes, sensors = refusals(state), notices(self._front.controller, state)
+        causes, sensors = refusals(state, self._front.controller), notices(self._front.controller, state)
         if state.state is not SupervisorState.STANDBY:
             causes = [cause for cause in causes if state.steers and cause.response is not Response.NONE]
         return causes + sensors
