@@ -165,6 +165,7 @@ async def test_an_a_b_line_and_a_curve_are_made_while_driving_and_kept(stage, br
     assert stage.workshop.fields.names() == ["New field"]
     straight, curve = stage.workshop.fields.load("New field").lines
     assert straight.name == "AB 36.9°"
+    assert "Curve is kept in New field" in one.notifications()
     np.testing.assert_allclose(straight.points, on_earth(np.array([[0.0, 0.0], [3.0, 4.0]]), FRAME), atol=1e-8)
     assert len(curve.points) > 40
     await planned(one)

@@ -139,6 +139,17 @@ def test_on_a_headland_only_that_is_said_which_the_driver_can_do_and_no_old_dist
     assert still["bodies"][0]["figure"] == "5", "while it stops past the end"
 
 
+def test_while_it_takes_over_nobody_is_told_to_turn_the_wheels(stage):
+    gate = replace(stage.link.gate, refusals=(Cause.FIX_LOST.value, Cause.STEERING_APART.value, *[0] * 6))
+    others = {"stale": False, "mine": True, "holder": "1", "drives": True}
+    listed = {
+        state: board(replace(gate, state=state), EN, **others).reasons
+        for state in (SupervisorState.STANDBY, SupervisorState.ENGAGING)
+    }
+    assert EN.cause(Cause.STEERING_APART) in listed[SupervisorState.STANDBY]
+    assert listed[SupervisorState.ENGAGING] == (EN.cause(Cause.FIX_LOST),)
+
+
 @pytest.mark.parametrize("tried", [True, False])
 def test_nobody_is_told_to_drive_before_the_emergency_stop_has_been_tried(stage, tried):
     causes = (Cause.TOO_SLOW, *([] if tried else [Cause.EMERGENCY_UNTRIED]))
@@ -159,4 +170,4 @@ def test_how_the_controllers_run_has_ended_is_said(stage, words):
         assert words.cause(Cause.CONTROLLER_STOPS)[0] not in shown.detail, "the reason alone is enough"
         assert (status.text.removeprefix("stopped: ")[1:] in shown.detail) == (words is EN)
         told.add(shown.detail)
-    assert len(told) == 14
+    assert len(told) == sum(each.has_ended for each in Status), "each says why in words of its own"

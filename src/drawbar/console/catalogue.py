@@ -159,6 +159,7 @@ TEXTS: Mapping[str, tuple[str, str]] = {
         "full: end and save, then record on",
         "voll: beenden und speichern, dann weiter aufzeichnen",
     ),
+    "line_kept": ("{line} is kept in {field}", "{line} ist in {field} gespeichert"),
     "a_is_set": ("A is set; drive to B", "A ist gesetzt; nach B fahren"),
     "import_export": ("Import and export", "Importieren und exportieren"),
     "import_file": ("Choose a field's file", "Felddatei auswählen"),

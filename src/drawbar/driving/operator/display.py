@@ -97,6 +97,8 @@ def refusals(state: GateState, controller: ControllerState | None) -> list[Cause
     hidden = set()
     if state.state in LATCHED or Cause.EMERGENCY_UNTRIED in found:
         hidden.add(Cause.TOO_SLOW)
+    if state.state is SupervisorState.ENGAGING:  # which turns the wheels there
+        hidden.add(Cause.STEERING_APART)
     if controller is not None and not is_beside_line(state, controller):
         hidden |= _UNKNOWN_AWAY
         if found and not hidden.isdisjoint(found):
