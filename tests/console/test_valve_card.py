@@ -35,7 +35,7 @@ class Bench:
 
     @property
     def is_off(self):
-        return self.lines[-1].told[-1] == 0
+        return self.lines[-1].received[-1] == 0
 
 
 @pytest.fixture

@@ -172,7 +172,7 @@ static int update_estimate(struct autopilot *a, const struct drawbar_measurement
     if (ended)
         return ended;
     drawbar_alignment_report(COMPONENT(a->alignment), &a->known);
-    note_measured(a, aligned);
+    correct_body_lag(a, aligned);
     TIMED(a, TIMED_ESTIMATOR, FEEDBACK, drawbar_estimator_update(COMPONENT(a->estimator), aligned, now, lent));
     a->diagnostics.estimator = now->status;
     return 0;

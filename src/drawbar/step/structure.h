@@ -56,8 +56,8 @@ static int identify(struct autopilot *a, const struct drawbar_measurement *measu
 #endif
 }
 
-/* Note a measurement, aligned, by which the estimate is about to be updated. */
-static void note_measured(struct autopilot *a, const struct drawbar_measurement *aligned)
+/* Replace the measured steering angle by the one that turns the tractor now, and report the lag between them. */
+static void correct_body_lag(struct autopilot *a, struct drawbar_measurement *aligned)
 {
 #ifdef DRAWBAR_DEAD_TIME
     drawbar_predictor_measured(COMPONENT(a->predictor), &a->made.estimate, aligned, &a->known);
