@@ -260,6 +260,7 @@ static int drive(struct autopilot *a, int left_out, const struct drawbar_measure
     struct drawbar_diagnostics *d = &a->diagnostics;
     struct drawbar_measurement aligned;
     struct drawbar_estimate expected, ahead;
+    double departure;
 
     int ended = identify(a, measurement);
     if (ended)
@@ -290,8 +291,9 @@ static int drive(struct autopilot *a, int left_out, const struct drawbar_measure
     default:
         break;
     }
+    drawbar_alignment_departure(COMPONENT(a->alignment), &departure);
     ended = drawbar_sanity_look(COMPONENT(a->sanity), measurement, &aligned, &made->estimate,
-                                &made->references[TRACTOR_BODY], &made->references[TRAILER_BODY], &a->sane);
+                                &made->references[TRACTOR_BODY], &made->references[TRAILER_BODY], departure, &a->sane);
     if (ended)
         return end_run(a, ended, command);
     plan(a, &ahead, &lent);
