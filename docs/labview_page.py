@@ -11,9 +11,9 @@ _NUMBERS = {"double": ("8-byte Double", "DBL"), "int32_t": ("Signed 32-bit Integ
 _HEAD = """\
 # The library in LabVIEW
 
-Made from `drawbar.h` and `drawbar_signals.h` by `python docs/labview_page.py`. Every function is a Call Library
-Function node on `drawbar.dll` (of `drawbar export articulated --out library --target windows-x86_64`; 64-bit
-LabVIEW). On the page *Function* of its dialog: **Thread** "Run in any thread" (one state must not be used by two
+Every function of the library is a Call Library Function node on `drawbar.dll` (of
+`drawbar export articulated --out library --target windows-x86_64`; 64-bit LabVIEW). This page, made from `drawbar.h` and
+`drawbar_signals.h` by `python docs/labview_page.py`, has the parameters of each. On the page *Function* of its dialog: **Thread** "Run in any thread" (one state must not be used by two
 calls at once: wire the nodes one after the other), **Calling convention** "C".
 
 On the page *Parameters* the first entry, *return type*, and one entry for each parameter, in this order:

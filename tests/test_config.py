@@ -247,6 +247,15 @@ def test_a_file_that_is_no_toml_is_refused(write: Write, content: str | bytes) -
     assert refusal(file).startswith(file)
 
 
+def test_what_is_wrong_with_text_of_windows_is_told_with_what_to_do(write: Write) -> None:
+    file = write('name = "a"\n[path]\nfile = "C:\\Users\\Jo\\field"\n')
+    assert "at line 3" in refusal(file)
+    assert "write the path with / or in single quotes" in refusal(file)
+    assert "backslash" not in refusal(write('name = "a"\npath = "C:/x" y\n'))
+    encoded = write('name = "Süd"\n'.encode("utf-16"))
+    assert refusal(encoded) == f"{encoded}: byte 0 is not UTF-8 text; save the file as UTF-8."
+
+
 def test_a_file_that_cannot_be_read_is_refused(tmp_path: Path) -> None:
     for source in (str(tmp_path), str(tmp_path / "none.toml"), "", "a\0b"):
         message = refusal(source)

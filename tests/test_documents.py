@@ -28,7 +28,7 @@ NOT_OURS = {
         "src/<component>.c",
         "example/main.c",
     ),
-    *("example/path.csv", "step.c", "line.c", "runs/", "library/", ".runs/", "NAME/.runs/", "CMakeLists.txt"),
+    *("example/path.csv", "step.c", "line.c", "path.c", "runs/", "library/", ".runs/", "NAME/.runs/", "CMakeLists.txt"),
     "build/reference/index.html",
     *("my.toml", "my.calibrated.toml"),
     *("ABLines.txt", "Boundary.txt", "CurveLines.txt", "FOLDER/config.toml", "zig/"),

@@ -2,6 +2,7 @@
 
 import math
 import os
+import re
 import tomllib
 from collections.abc import Sequence
 from pathlib import Path
@@ -32,6 +33,7 @@ def resolved_table(source: str, extending: tuple[str, ...] = ()) -> tuple[dict[s
         data = tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # also digits without end, brackets without end
         reason = str(error).replace("Cannot overwrite a value", "a key is given twice")
+        reason += _backslash(text, error)
         raise ConfigurationError(f"{origin}: is not valid TOML: {reason}.") from error
     _anchor(data, Path(source).parent)
     if "extends" not in data:
@@ -72,6 +74,15 @@ def _goes_on(old: Any, new: Any) -> bool:
     return bool(both) and all(new.get(tag) in (None, old.get(tag)) for tag in _TAGS)
 
 
+def _backslash(text: str, error: Exception) -> str:
+    """Return what to do where a path of Windows stands in double quotes, at the line of an error; else nothing."""
+    place = re.search(r"at line (\d+)", str(error))
+    line = text.splitlines()[int(place[1]) - 1 :][:1] if place else []
+    if not any("\\" in each for each in line):
+        return ""
+    return "; a backslash in double quotes begins an escape: write the path with / or in single quotes"
+
+
 def _read(source: str) -> tuple[str, str]:
     if source in shipped_names():
         return shipped_text(source), source
@@ -81,7 +92,11 @@ def _read(source: str) -> tuple[str, str]:
         with open(source, encoding="utf-8-sig") as file:
             text = file.read(_LARGEST + 1)
     except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "not UTF-8 text"
+        if isinstance(error, UnicodeDecodeError):
+            raise ConfigurationError(
+                f"{source}: byte {error.start} is not UTF-8 text; save the file as UTF-8."
+            ) from error
+        reason = error.strerror if isinstance(error, OSError) else str(error)
         raise ConfigurationError(
             f"{source}: cannot be read as a configuration ({reason}); "
             f"give a TOML file or one of: {', '.join(shipped_names())}."

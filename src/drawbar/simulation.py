@@ -241,12 +241,7 @@ def _shaped_path(configuration: Configuration) -> "tuple[Path, DrivablePath | No
     line = load_line(FilePath(settings.file), settings.track or None, settings.extension)
     from drawbar.guidance.smoothing import make_drivable  # takes long to import, and only recorded lines need it
 
-    drivable = make_drivable(
-        line,
-        curvature_limit=limit,
-        curvature_rate_limit=configuration.guidance.curvature_rate_limit,
-        tolerance=configuration.guidance.path_tolerance,
-    )
+    drivable = make_drivable(line, configuration.guidance.line_limits(limit))
     return drivable.path, drivable
 
 

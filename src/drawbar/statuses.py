@@ -34,6 +34,7 @@ class Status(IntEnum):
     STOPPED = 133, "stopped: no command could be given for longer than one may be repeated"
     UNSOLVED = 134, "stopped: estimator or controllers have had no solution for too long"
     OVERDUE = 135, "stopped: samples came late for too long"
+    RATE = 136, "stopped: samples come more often, or less often, than every sample_time"
     COARSE = 140, "stopped: positions have been coarse for too long"
     OSCILLATION = 141, "stopped: errors or steering swing from side to side"
     BACKWARDS = 142, "stopped: both antennas move backwards: they are swapped, or the vehicle is driven in reverse"

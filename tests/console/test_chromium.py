@@ -111,6 +111,8 @@ def _page(visitor):
     return page
 
 
+_COLOUR = "(each) => {{ each.className = 'bar {}'; return getComputedStyle(each).backgroundColor; }}"
+GREEN_BAR, IDLE = _COLOUR.format("tone-good"), _COLOUR.format("tone-idle")
 AT_STOP = """(() => {
   const stop = [...document.querySelectorAll("button")].find((each) => each.innerText.trim() === "STOP");
   const { left, right, top, bottom } = stop.getBoundingClientRect();
@@ -272,6 +274,7 @@ def test_a_page_that_is_cut_off_says_that_its_picture_is_old(drive, somebody_els
     page.evaluate("window.socket.disconnect()")
     page.locator("body.old-picture .old", has_text="OLD PICTURE").wait_for()
     assert page.locator("body:not(.old-picture)").count() == 0
+    assert page.locator(".bar").evaluate(GREEN_BAR) == page.locator(".bar").evaluate(IDLE), "an old state is not green"
     page.locator("#popup[aria-hidden=false]").wait_for(state="attached")
     assert page.locator("#popup").evaluate("(each) => getComputedStyle(each).display") == "none"
 
@@ -296,7 +299,7 @@ def test_one_of_two_browsers_has_control_and_the_other_sees_who_and_is_refused(d
     press_until(other, page.get_by_text("asks for control"), "Ask for control")
     press(page, "EMERGENCY")
     see(other, "Emergency stop")
-    refused = other.get_by_text("another operator holds the lease").or_(other.get_by_text("the vehicle moves"))
+    refused = other.get_by_text("another operator has control").or_(other.get_by_text("the vehicle moves"))
     press_until(other, refused, "Acknowledge")
     assert other.get_by_text("You have control").count() == 0
 

@@ -73,7 +73,7 @@ async def test_a_refusal_is_told_with_its_cause(stage, browser):
     one = await ready(stage, browser)
     stage.link.ask(one.page._visitor, Action.ENGAGE)
     stage.run(0.1, one)
-    assert Cause.NOT_ARMED.sentence[1:] in one.told()
+    assert Cause.NOT_ARMED.sentence[1:] in one.notifications()
     assert stage.engagement.state is READY
 
 
@@ -101,7 +101,7 @@ async def test_commands_of_a_browser_that_draws_no_more_are_refused(stage, brows
     one.press("1 Prepare")
     one.refresh()
     assert [each.action for each in stage.sent].count(Action.ARM) == before
-    assert Cause.SEEN_OLD.sentence[1:] in one.told()
+    assert Cause.SEEN_OLD.sentence[1:] in one.notifications()
     stage.run(0.1, one)
     one.press("1 Prepare")
     stage.run(0.1, one)
@@ -151,7 +151,7 @@ async def test_one_of_two_operators_holds_the_lease_and_both_see_who(stage, brow
     assert not other.enabled("1 Prepare")
     stage.link.ask(other.page._visitor, Action.ARM)
     stage.run(0.3, one, other)
-    assert Cause.LEASE_HELD.sentence[1:] in other.told()
+    assert Cause.LEASE_HELD.sentence[1:] in other.notifications()
     assert stage.desk.lease == one.page._visitor.number
 
 
@@ -260,7 +260,7 @@ async def test_the_line_is_not_chosen_while_it_is_steered(stage, browser):
     assert not row.visible
     stage.link.ask(one.page._visitor, Action.LINE, 1.0)
     stage.run(0.1, one)
-    assert Cause.STEERED.sentence[1:] in one.told()
+    assert Cause.STEERED.sentence[1:] in one.notifications()
 
 
 @staged
@@ -277,7 +277,7 @@ async def test_a_double_tap_on_engage_is_one_and_changes_nothing_else(stage, bro
     one.user.find(marker="faster").click()  # what stands at its place as soon as it steers
     stage.run(0.1, one)
     assert [each.action for each in stage.sent[asked:] if each.action is not Action.PRESENT] == [Action.ENGAGE]
-    assert one.told() == ""
+    assert one.notifications() == ""
     stage.run(1.0, one)
     one.user.find(marker="slower").click()
     stage.run(0.1, one)
@@ -306,12 +306,12 @@ async def test_a_finger_that_adjusts_does_not_acknowledge_the_stop_that_comes_me
 async def test_whoever_steers_is_not_led_away_by_the_menu(stage, browser):
     one = await driving(stage, browser)
     one.user.find(marker="runs").click()
-    assert "Press STOP first" in one.told()
+    assert "Press STOP first" in one.notifications()
     assert one.user.back_history[-1] == "/"
     other = await browser().open()
     stage.run(0.2, one, other)
     other.user.find(marker="runs").click()
-    assert other.told() == ""
+    assert other.notifications() == ""
 
 
 @staged
@@ -321,7 +321,7 @@ async def test_commands_in_a_burst_are_limited_and_stops_are_not(stage, browser)
     for _ in range(100):
         one.user.find(marker="nudge_left").click()
     assert len(stage.sent) - before <= 10
-    assert "Too many commands" in one.told()
+    assert "Too many commands" in one.notifications()
     for _ in range(20):
         one.press("STOP")
     assert [each.action for each in stage.sent].count(Action.STOP) == 20

@@ -127,7 +127,7 @@ async def test_the_taken_pass_is_a_version_of_the_configuration_that_drives_it(s
     assert saved.path.working_width == 3.0
     np.testing.assert_allclose(boundary(saved, line.frame)[2], [83.0, 120.0], atol=0.01)  # the pass begins at -3, -20
     assert saved.model_copy(update={"path": stage.configuration.path}) == stage.configuration
-    assert f"drawbar drive {version.file}" in one.told()
+    assert f"drawbar drive {version.file}" in one.notifications()
 
 
 @staged
@@ -152,7 +152,7 @@ async def test_nothing_is_taken_while_the_vehicle_is_steered(stage, browser):
 async def test_an_a_b_line_and_a_curve_are_made_while_driving_and_kept(stage, browser):
     one = await browser().open("/fields")
     one.press("Set A here")
-    assert "RTK-fixed" in one.told()
+    assert "RTK-fixed" in one.notifications()
     drive(stage, one, [(0.0, 0.0)])
     one.press("Set A here")
     drive(stage, one, [(3.0, 4.0)])
@@ -165,6 +165,7 @@ async def test_an_a_b_line_and_a_curve_are_made_while_driving_and_kept(stage, br
     assert stage.workshop.fields.names() == ["New field"]
     straight, curve = stage.workshop.fields.load("New field").lines
     assert straight.name == "AB 36.9°"
+    assert "Curve is kept in New field" in one.notifications()
     np.testing.assert_allclose(straight.points, on_earth(np.array([[0.0, 0.0], [3.0, 4.0]]), FRAME), atol=1e-8)
     assert len(curve.points) > 40
     await planned(one)
@@ -247,7 +248,7 @@ async def test_positions_that_are_not_fixed_make_no_line(stage, browser):
         stage.run(0.1)
         stage.receive_fixes(float(x), 0.0, quality=4)
     one.press("■ End and save")
-    assert "0.0 m long" in one.told()
+    assert "0.0 m long" in one.notifications()
     assert stage.link.surveyor.track is not None
 
 
@@ -261,12 +262,12 @@ async def hand_over(one, name, data):
 async def test_a_file_is_imported_and_the_field_exported(stage, browser):
     one = await browser().open("/fields")
     assert await hand_over(one, "hill.zip", WRITERS["Shapefile"][1](FIELD)) == 200
-    await until(lambda: "Imported hill: 2 lines" in one.told())
+    await until(lambda: "Imported hill: 2 lines" in one.notifications())
     kept = stage.workshop.fields.load("hill")
     assert [line.name for line in kept.lines] == ["AB", "bent"]
     assert kept.boundary is not None
     assert await hand_over(one, "x.kml", b"<kml/>") == 200
-    await until(lambda: "neither a line nor a boundary" in one.told())
+    await until(lambda: "neither a line nor a boundary" in one.notifications())
     await chosen(one, "Format", "GPX")
     one.press("Export")
     answer = await one.user.download.next()

@@ -79,7 +79,7 @@ async def test_the_drive_page_says_what_is_lost_and_what_to_do(stage, browser):
     assert "Steering" in one.text()
     for text in WORDS["en"].cause(Cause.NOT_RECORDING):
         assert text in one.text()
-        assert text in one.told()
-    before = one.told()
+        assert text in one.notifications()
+    before = one.notifications()
     stage.run(1.0, one)
-    assert one.told() == before  # once
+    assert one.notifications() == before  # once

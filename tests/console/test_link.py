@@ -4,6 +4,7 @@ import json
 import math
 import signal
 import socket
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from console_process import console_process, reaches, until
 from console_stage import Stage
 
 from drawbar.config import load_configuration
-from drawbar.console.drawing import Lines, moving, standing, tube_widths
+from drawbar.console.drawing import Lines, moving, moving_by_hand, standing, tube_widths
 from drawbar.console.thinning import kept_points
 from drawbar.console.visitors import MOST, Rank, Visitors
 from drawbar.driving.messaging.datagrams import PackedStep, pack
@@ -75,6 +76,23 @@ def test_the_drawn_bodies_are_joined_where_the_vehicle_is(record):
     apart = math.dist(at(place.tractor, shapes["tractorJoint"]), at(place.trailer, shapes["trailerJoint"]))
     assert apart == pytest.approx(vehicle.drawbar_length, abs=0.05)
     assert Lines(path, 0.0)(0.0)["path"][-1] == pytest.approx(path.nodes[-1, 1:3], abs=1e-3)
+
+
+def test_away_from_any_line_both_bodies_are_drawn_where_their_receivers_are():
+    place = moving_by_hand((10.0, 5.0, math.nan), fixes_of(7.0, 5.0), (-1.0, 1.5))
+    assert place.tractor == (10.0, 5.0, 0.0), "it faces away from the trailer's antenna"
+    assert place.trailer == (7.0, 5.0, 0.0)
+    turning = moving_by_hand((10.0, 5.0, 0.5 * math.pi), fixes_of(8.0, 4.0), (-1.0, 1.5))
+    assert turning.trailer == pytest.approx((8.0, 4.0, 0.0)), "it faces where the tractor pulls it"
+    alone = moving_by_hand((10.0, 5.0, 0.0), fixes_of(math.nan, math.nan), (-1.0, 1.5))
+    assert alone.trailer == pytest.approx((7.5, 5.0, 0.0))
+    assert moving_by_hand((10.0, 5.0, math.nan), fixes_of(math.nan, math.nan), (-1.0, 1.5)) is None
+    assert json.loads(json.dumps(place.to_browser())) == place.to_browser()
+
+
+def fixes_of(x, y):
+    """Return where the trailer's receiver is, as far as fixes are asked for it."""
+    return SimpleNamespace(trailer_x=x, trailer_y=y)
 
 
 def test_sessions_of_browsers_that_never_come_again_are_forgotten():

@@ -23,7 +23,7 @@ from drawbar.console.visitors import Rank
 from drawbar.console.words import Words
 from drawbar.errors import DrawbarError
 from drawbar.messages import Action, OperatorMessage, SupervisorState
-from drawbar.recording.chunks import ChunkedWriter
+from drawbar.recording.chunked_writer import ChunkedWriter
 from drawbar.recording.recorder import Recorder
 from drawbar.report.folder import write_report
 from drawbar.safety.causes import Cause
@@ -88,7 +88,7 @@ def test_a_run_is_exported_as_a_table_and_what_cannot_be_is_said(runs):
             with one.user.client:
                 await one.page._export(run, kind)
         await asyncio.sleep(0.1)
-        return [answer.content for answer in one.user.download.http_responses], one.told()
+        return [answer.content for answer in one.user.download.http_responses], one.notifications()
 
     (table,), told = on_page(runs, test)
     assert table.count(b"\n") == 101
@@ -146,7 +146,7 @@ def test_a_run_that_somebody_else_deletes_is_told_and_goes_from_the_list(runs):
             for each in asked:
                 await each
             one.page._show_map(run)
-        assert one.told().count("This run has been deleted meanwhile") == 3
+        assert one.notifications().count("This run has been deleted meanwhile") == 3
         return one.text()
 
     assert "second" not in on_page(runs, test)
@@ -174,7 +174,7 @@ def test_a_run_is_deleted_after_asking_and_the_one_that_is_on_never(runs):
         one.page._ask_deletion(next(run for run in _listed(runs) if run.name == "broken"))
         assert "Delete broken with all its files?" in one.text()
         one.press("Delete now")
-        assert "was written to a moment ago" in one.told()
+        assert "was written to a moment ago" in one.notifications()
         assert (runs / "broken").exists()
         for each in runs.rglob("*"):
             os.utime(each, (0.0, 0.0))

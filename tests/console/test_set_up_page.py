@@ -108,7 +108,7 @@ async def test_nothing_is_changed_while_the_vehicle_is_steered(stage, browser):
         stage.run(0.2, drives)
     with one.user.client:
         one.page._keep()  # a forged event
-    assert "the vehicle is steered now" in one.told()
+    assert "the vehicle is steered now" in one.notifications()
     one.refresh()
     assert not one.enabled("Save as a new version")
     assert stage.workshop.versions.all() == []

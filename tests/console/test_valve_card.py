@@ -35,7 +35,7 @@ class Bench:
 
     @property
     def is_off(self):
-        return self.lines[-1].told[-1] == 0
+        return self.lines[-1].received[-1] == 0
 
 
 @pytest.fixture
@@ -77,7 +77,7 @@ def test_it_pushes_draws_and_keeps_what_it_found(bench):
         stage.workshop.configuration = stage.workshop.driven
         one.refresh()
         one.press("Save the sensor's scale")
-        assert "saved" in one.told().lower()
+        assert "saved" in one.notifications().lower()
         (version,) = stage.workshop.versions.all()
         saved = load_configuration(str(version.file)).devices.bare_valve.angles
         assert saved == pytest.approx([0.9 * each for each in SETTINGS.angles], rel=0.05)

@@ -98,7 +98,65 @@ def test_what_the_controller_tells_of_sensors_is_said_with_what_to_do(stage, wor
         controller=replace(stage.link.controller, notices=told),
     )  # fmt: skip
     assert shown.reasons[-2:] == (words.cause(Cause.YAW_REJECTED), words.cause(Cause.RECEIVER_SILENT))
-    assert "2" in shown.heading or state is SupervisorState.READY
+    listed = 3 if state is SupervisorState.STOPPED else 2  # there also what to press
+    assert f"({listed})" in shown.heading or state is SupervisorState.READY
+
+
+@pytest.mark.parametrize("words", [EN, DE], ids=["en", "de"])
+def test_what_waits_for_the_operator_says_so_first_and_not_to_drive(stage, words):
+    causes = (Cause.TOO_SLOW, Cause.FIX_LOST)
+    gate = replace(stage.link.gate, refusals=(*(cause.value for cause in causes), *[0] * 6))
+    first = {}
+    for state in (SupervisorState.STOPPED, SupervisorState.FAULT, SupervisorState.ESTOP, SupervisorState.OVERRIDE):
+        shown = board(replace(gate, state=state), words, stale=False, mine=True, holder="1", drives=True)
+        assert shown.heading.startswith(words("next"))
+        (first[state], _), *others = shown.reasons
+        assert words("acknowledge") in first[state]
+        assert others == [words.cause(Cause.FIX_LOST)], "it is to stand, not to begin to drive"
+    assert first[SupervisorState.OVERRIDE] != first[SupervisorState.STOPPED], "that one may roll"
+    looks_on = board(
+        replace(gate, state=SupervisorState.STOPPED), words, stale=False, mine=False, holder="1", drives=False
+    )
+    assert looks_on.reasons == (words.cause(Cause.FIX_LOST),), "who may only look cannot press it"
+
+
+@pytest.mark.parametrize("ended", [True, False])
+def test_on_a_headland_only_that_is_said_which_the_driver_can_do_and_no_old_distance(stage, ended):
+    unknown = (Cause.UNPROVED, Cause.POSITION_LOST, Cause.HEADING_UNSURE, Cause.LINE_LOST, Cause.HITCH_ANGLE)
+    causes = (*unknown, Cause.OVERRUN)
+    gate = replace(stage.link.gate, state=SupervisorState.STANDBY, refusals=(*(each.value for each in causes), 0, 0))
+    stage.receive_controller()
+    beside = stage.link.controller
+    away = replace(beside, status=Status.FINISHED) if ended else replace(beside, tractor_lateral_error=math.nan)
+    others = {"stale": False, "mine": True, "holder": "1", "drives": True}
+    shown = board(gate, EN, controller=away, **others)
+    assert shown.reasons == (EN.cause(Cause.OFF_LINE), EN.cause(Cause.OVERRUN))
+    assert len(board(gate, EN, controller=beside, **others).reasons) == len(causes)
+    figures = picture(gate, away, None, EN, stale=False)
+    assert [body["side"] for body in figures["bodies"]] == ["not known"] * 2
+    steered = replace(gate, state=SupervisorState.STOPPING)
+    still = picture(steered, replace(away, tractor_lateral_error=0.05), None, EN, stale=False)
+    assert still["bodies"][0]["figure"] == "5", "while it stops past the end"
+
+
+def test_while_it_takes_over_nobody_is_told_to_turn_the_wheels(stage):
+    gate = replace(stage.link.gate, refusals=(Cause.FIX_LOST.value, Cause.STEERING_APART.value, *[0] * 6))
+    others = {"stale": False, "mine": True, "holder": "1", "drives": True}
+    listed = {
+        state: board(replace(gate, state=state), EN, **others).reasons
+        for state in (SupervisorState.STANDBY, SupervisorState.ENGAGING)
+    }
+    assert EN.cause(Cause.STEERING_APART) in listed[SupervisorState.STANDBY]
+    assert listed[SupervisorState.ENGAGING] == (EN.cause(Cause.FIX_LOST),)
+
+
+@pytest.mark.parametrize("tried", [True, False])
+def test_nobody_is_told_to_drive_before_the_emergency_stop_has_been_tried(stage, tried):
+    causes = (Cause.TOO_SLOW, *([] if tried else [Cause.EMERGENCY_UNTRIED]))
+    codes = (*(cause.value for cause in causes), *[0] * (8 - len(causes)))
+    gate = replace(stage.link.gate, state=SupervisorState.STANDBY, refusals=codes)
+    shown = board(gate, EN, stale=False, mine=True, holder="1", drives=True)
+    assert shown.reasons == (EN.cause(causes[-1]),)
 
 
 @pytest.mark.parametrize("words", [EN, DE], ids=["en", "de"])
@@ -109,7 +167,7 @@ def test_how_the_controllers_run_has_ended_is_said(stage, words):
     for status in (each for each in Status if each.has_ended):
         heard = replace(stage.link.controller, status=status)
         shown = board(stopped, words, stale=False, mine=True, holder="1", drives=True, controller=heard)
-        assert words.cause(Cause.CONTROLLER_STOPS)[0] in shown.detail
-        assert (status.text in shown.detail) == (words is EN)
+        assert words.cause(Cause.CONTROLLER_STOPS)[0] not in shown.detail, "the reason alone is enough"
+        assert (status.text.removeprefix("stopped: ")[1:] in shown.detail) == (words is EN)
         told.add(shown.detail)
-    assert len(told) == 14
+    assert len(told) == sum(each.has_ended for each in Status), "each says why in words of its own"

@@ -67,7 +67,7 @@ def driven(
             sent.append(m)
         before = now
     left = math.cos(yaw) * (ground.tractor_y - m.tractor_y) - math.sin(yaw) * (ground.tractor_x - m.tractor_x)
-    return alignment.told(), m.tractor_roll - math.asin(left / UP), sent
+    return alignment.found(), m.tractor_roll - math.asin(left / UP), sent
 
 
 def conditioned(sent: list[Measurement], yaws: Iterator[float], deviation: float) -> tuple[float, float]:

@@ -91,7 +91,7 @@ WRONG = {
     ),
     "unknown configuration": (
         'title = "x"\ncases = [{ name = "papre" }]',
-        "papre: is neither a file nor a shipped configuration",
+        "case 'papre', whose name is that of its configuration, cannot be read: papre: is neither a file nor a shipped",
     ),
     "same name twice": (
         'title = "x"\ncases = [{ name = "paper" }, { name = "paper" }]',
@@ -171,6 +171,9 @@ def test_experiments_are_found_by_name_by_path_and_all(
         (tmp_path / "experiments" / name / "experiment.toml").write_text(two_cases, "utf-8")
     assert [folder.name for folder in find_experiments("all")] == ["first", "second"]
     assert find_experiments("second") == [Path("experiments/second")]
+    monkeypatch.chdir(tmp_path / "experiments" / "first")
+    assert find_experiments(".") == [tmp_path / "experiments" / "first"], "it is called by its folder"
+    monkeypatch.chdir(tmp_path)
     with pytest.raises(ConfigurationError, match=r"third: is no experiment, .* first, second"):
         find_experiments("third")
     with pytest.raises(ConfigurationError, match=r"frist: is no experiment \(did you mean first\?\), which"):

@@ -3,13 +3,23 @@
 import dataclasses
 import subprocess
 import sys
+from pathlib import Path
 
 import msgspec
 import numpy as np
 import pytest
 
 from drawbar.config import load_configuration
-from drawbar.experiment.task import Result, Task, decode_result, encode_result, run_task, solver_sections, source_digest
+from drawbar.experiment.task import (
+    Result,
+    Task,
+    controller_source,
+    decode_result,
+    encode_result,
+    run_task,
+    solver_sections,
+    source_digest,
+)
 
 
 def test_figures_are_those_of_the_same_run(simulate, short_task: Task, short_result: Result) -> None:
@@ -52,6 +62,25 @@ def test_a_key_tells_everything_apart_that_changes_a_result(short_task: Task, mo
     monkeypatch.setattr("drawbar.experiment.task.source_digest", lambda: "another drawbar")
     assert len(keys | {short_task.key}) == 5
     assert dataclasses.replace(short_task).key == short_task.key
+
+
+def test_a_run_is_driven_again_once_the_users_own_controller_was_changed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    changes = ["controller.model=steers_so:Mine"]
+    task = Task(configuration=load_configuration("articulated", changes).to_toml(), seed=0)
+
+    def key() -> str:
+        controller_source.cache_clear()
+        return task.key
+
+    keys = {key()}  # without the module
+    for file, text in (("steers_so.py", "GAIN = 1.0"), ("steers_so.py", "GAIN = 2.0"), ("its_helper.py", "X = 1")):
+        (tmp_path / file).write_text(text, "utf-8")
+        keys.add(key())
+    assert len(keys) == 4
+    assert key() in keys
 
 
 def test_every_result_says_which_code_measured_it(short_result: Result) -> None:

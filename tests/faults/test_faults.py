@@ -123,6 +123,9 @@ FAULTS = {
     "a clock that runs backwards": Fault(
         change=lambda m: replace(m, time=60.0 - m.time), ends=Status.STOPPED, within=1.0
     ),
+    "a clock that runs at half the speed": Fault(
+        change=lambda m: replace(m, time=BEGINS + 0.5 * (m.time - BEGINS)), ends=Status.RATE, within=3.0
+    ),
     "a clock that jumps back half a second": Fault(change=lambda m: replace(m, time=m.time - 0.5)),
     "a clock that jumps a day": Fault(change=lambda m: replace(m, time=m.time + 86400.0), ends=Status.GAP, within=0.2),
     "a clock that is not a number": Fault(change=at(math.nan), ends=Status.STOPPED, within=1.0),

@@ -242,7 +242,7 @@ def test_a_heading_that_turns_out_right_after_all_ends_the_turns() -> None:
 
 
 @pytest.mark.parametrize("yaw", [-0.9, 0.9])
-def test_up_to_sixty_degrees_the_path_itself_is_followed(yaw: float) -> None:
+def test_up_to_sixty_degrees_no_turns_are_made(yaw: float) -> None:
     np.testing.assert_allclose(preview().reference(facing(1.0, yaw)).tractor.samples[:, 1], 0.0, atol=1e-9)
 
 
@@ -254,6 +254,65 @@ def test_without_room_to_turn_there_is_no_way_until_the_tractor_faces_ahead() ->
         assert guidance.advance(facing(0.0, math.pi)) is GuidanceStatus.NO_WAY
     expected = EIGHT.sample(0.2 + 0.9 * 0.2 * np.arange(16))
     np.testing.assert_allclose(guidance.reference(along(0.2)).tractor.samples, expected, atol=1e-6)
+
+
+def join_of(speed: float, left: float, behind: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return how far beside a straight line both bodies are led that begin so far to its left: place and offset, m."""
+    guidance, along_straight, offsets = preview(figure_eights((8.0,), 200.0)), [], []
+    for x in np.arange(0.0, 25.0, 0.02):
+        tractor, trailer = Pose(x=float(x), y=left, yaw=0.0), Pose(x=float(x) - TRAILER_BEHIND, y=behind, yaw=0.0)
+        reference = guidance.reference(estimate(tractor, trailer, speed=speed))
+        assert (reference.tractor.lateral_error, reference.trailer.lateral_error) == pytest.approx((left, behind))
+        along_straight.append(reference.tractor.samples[0, 0])
+        offsets.append((reference.tractor.samples[0, 1], reference.trailer.samples[0, 1]))
+    return np.array(along_straight), np.array(offsets)
+
+
+@pytest.mark.parametrize("speed", [1.0, 3.0])
+def test_a_vehicle_that_begins_beside_the_line_is_led_onto_it_with_little_jerk(speed: float) -> None:
+    x, offsets = join_of(speed, 0.4, -0.3)
+    assert offsets[0] == pytest.approx((0.4, -0.3), abs=1e-9)  # each body from where it is
+    assert np.all(offsets[-1] == 0.0)
+    over_ground = 0.9 * speed  # the longitudinal slip of the estimates is 0.9
+    jerk = np.diff(offsets, 3, axis=0) * (over_ground / (x[1] - x[0])) ** 3
+    assert np.abs(jerk).max() == pytest.approx(0.5, rel=0.1)
+    done = x[np.argmax(np.all(offsets == 0.0, axis=1))] - x[0]
+    assert done == pytest.approx(over_ground * (60.0 * 0.4 / 0.5) ** (1 / 3), abs=0.2)
+
+
+def test_the_stages_of_a_join_continue_at_the_speed_over_ground_also_in_a_curve() -> None:
+    guidance = under_way(Preview, 26.0)  # in the first curve, of 8 m radius
+    guidance.rejoin()
+    samples = guidance.reference(along(26.0, left=1.0)).tractor.samples
+    between = np.hypot(*np.diff(samples[:, :2], axis=0).T)
+    assert between == pytest.approx(np.full(15, 0.9 * 0.2), rel=0.03)
+
+
+def test_from_far_beside_the_line_there_is_no_join() -> None:
+    far = 0.6 / VehicleParameters().curvature_limit
+    np.testing.assert_allclose(preview().reference(along(1.0, left=far)).tractor.samples[:, 1], 0.0, atol=1e-9)
+
+
+def test_a_join_begins_again_only_where_it_is_asked_for() -> None:
+    guidance = preview()
+    guidance.reference(along(1.0))
+    np.testing.assert_allclose(guidance.reference(along(1.2, left=0.3)).tractor.samples[:, 1], 0.0, atol=1e-9)
+    guidance.rejoin()
+    assert guidance.reference(along(1.4, left=0.3)).tractor.samples[0, 1] == pytest.approx(0.3, abs=1e-9)
+
+
+def test_a_join_continues_beside_a_path_that_counts_from_elsewhere() -> None:
+    nodes = EIGHT.nodes[20:].copy()
+    nodes[:, 0] -= nodes[0, 0]
+    later, begins = replace(EIGHT, nodes=nodes), EIGHT.nodes[20, 0]
+    changed, unchanged = begun_at(Preview, 8.0, start=8.0), begun_at(Preview, 8.0, start=8.0)
+    for each in (changed, unchanged):
+        each.reference(along(8.0, left=0.3))
+    assert changed.change(later, 8.0 - begins, along(8.0, left=0.3)) is GuidanceStatus.FINE
+    for s in np.arange(8.2, 14.0, 0.2):
+        one, other = (each.reference(along(float(s), left=0.2)) for each in (changed, unchanged))
+        assert one.tractor.progress == pytest.approx(other.tractor.progress - begins)
+        np.testing.assert_allclose(one.tractor.samples, other.tractor.samples, atol=1e-9)
 
 
 def laid(pose: Pose, s: float) -> Path:

@@ -14,11 +14,10 @@ from drawbar.config import load_configuration
 from drawbar.errors import DrawbarError
 from drawbar.geometry import Floats
 from drawbar.guidance.figure_eight import figure_eights
-from drawbar.guidance.path import CPath, Path
+from drawbar.guidance.path import PATH_UNIT, CPath, Path
 from drawbar.simulation import Simulation, build_path
 
 SOURCE = """
-#include "path.h"
 static struct line_offset offset;
 static struct path line;
 void begin(const struct path *path, double wanted)
@@ -32,10 +31,10 @@ void begin(const struct path *path, double wanted)
 }
 void wish(double wanted) { offset.wanted = wanted; }
 void advance(double foremost, double hindmost) { offset_advance(&offset, 0.03, 0.03, foremost, hindmost); }
-void sample(double arc_length, double *sample) { path_sample(&line, arc_length, sample); }
+void sample(double arc_length, double *sample) { drawbar_path_sample(&line, arc_length, sample); }
 double project(double x, double y, double near, double *error)
 {
-    return path_project(&line, x, y, near - 1.0, near + 1.0, error);
+    return drawbar_path_project(&line, x, y, near - 1.0, near + 1.0, error);
 }
 double ahead(double arc_length, double distance) { return path_ahead(&line, arc_length, distance); }
 int has_beside(const struct path *path, double wanted) { return path_has_beside(path, wanted, 0.3); }
@@ -48,7 +47,7 @@ class Line:
     """A line beside a path in C."""
 
     def __init__(self, path: Path, offset: float) -> None:
-        self._c = load(build("line_offset", SOURCE))
+        self._c = load(build("line_offset", PATH_UNIT + SOURCE))
         for name in ("project", "ahead"):
             getattr(self._c, name).restype = Real
         self._path = CPath(path.nodes)

@@ -11,6 +11,8 @@ from drawbar.codegen.library import load
 from drawbar.geometry import Floats
 from drawbar.guidance.figure_eight import figure_eights
 from drawbar.guidance.importers.line import _LONGEST, _SHORTEST, RecordedLine
+from drawbar.guidance.path import PATH_UNIT
+from drawbar.guidance.settings import LineLimits
 from drawbar.guidance.smoothing import make_drivable
 
 MADE, NULL, POINTS, MEMORY, TIGHT, FAR = range(6)
@@ -22,7 +24,7 @@ Outcome = tuple[int, int, Floats]
 @pytest.fixture(scope="module")
 def line_path() -> Callable[..., Outcome]:
     """Return what the C function returns, its `made`, and the nodes; memory behind the nodes must stay as it was."""
-    made = load(build("line", '#include "line_path.h"\n')).drawbar_line_path
+    made = load(build("line", PATH_UNIT + '#include "line_path.h"\n')).drawbar_line_path
 
     def line_path(points: Floats, limits: tuple[float, ...] = LIMITS, capacity: int = 5000) -> Outcome:
         given = np.ascontiguousarray(points, np.float64)
@@ -55,7 +57,7 @@ def in_python(points: Floats, limits: tuple[float, ...] = LIMITS) -> Floats:
     """Return the nodes that drawbar path writes."""
     line = RecordedLine(name="line", x=points[:, 0], y=points[:, 1], frame=None, repeated=0)
     curvature, rate, tolerance = limits
-    drivable = make_drivable(line, curvature_limit=curvature, curvature_rate_limit=rate, tolerance=tolerance)
+    drivable = make_drivable(line, LineLimits(curvature=curvature, curvature_rate=rate, tolerance=tolerance))
     return drivable.path.nodes
 
 
@@ -117,7 +119,7 @@ def nearest(
 ) -> tuple[int, float, int]:
     """Return what the C function returns, and what it found."""
     found, against = ctypes.c_double(-1.0), ctypes.c_int32(-1)
-    function = load(build("line", '#include "line_path.h"\n')).drawbar_line_nearest
+    function = load(build("line", PATH_UNIT + '#include "line_path.h"\n')).drawbar_line_nearest
     function.argtypes = [
         ctypes.c_void_p,
         ctypes.c_int32,
@@ -131,7 +133,7 @@ def nearest(
 
 
 def test_the_nearest_place_and_the_way_round_are_those_of_python() -> None:
-    reverse = load(build("line", '#include "line_path.h"\n')).drawbar_line_reverse
+    reverse = load(build("line", PATH_UNIT + '#include "line_path.h"\n')).drawbar_line_reverse
     path, rng = figure_eights((8.0,), 20.0), np.random.default_rng(8)  # seed 8
     for _ in range(100):
         x, y, yaw = (float(each) for each in rng.uniform([-15.0, -15.0, -3.0], [35.0, 15.0, 3.0]))

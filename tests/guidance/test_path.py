@@ -10,7 +10,8 @@ from drawbar.errors import PathError
 from drawbar.geometry import Floats
 from drawbar.guidance.figure_eight import figure_eights
 from drawbar.guidance.importers.line import RecordedLine
-from drawbar.guidance.path import PIECE_LENGTH, CPath, Path
+from drawbar.guidance.path import PATH_UNIT, PIECE_LENGTH, CPath, Path
+from drawbar.guidance.settings import LineLimits
 from drawbar.guidance.smoothing import make_drivable
 
 RADIUS = 6.67
@@ -140,19 +141,17 @@ def test_a_path_that_is_not_finite_or_does_not_advance_is_refused() -> None:
         Path.through(arc_length=np.zeros(1), **single, **labels)
 
 
-CHECK = load(
-    build("path_check", '#include "path_check.h"\nint check(const struct path *path) { return path_check(path); }\n')
-)
+CHECK = load(build("path_check", PATH_UNIT))
 
 
 def first_wrong(nodes: Floats) -> int:
-    return CHECK.check(ctypes.byref(CPath(nodes)))
+    return CHECK.drawbar_path_check(ctypes.byref(CPath(nodes)))
 
 
 def recorded() -> Path:
     s = np.linspace(0.0, 60.0, 40)
     line = RecordedLine(name="wave", x=s, y=3.0 * np.sin(s / 9.0), repeated=0)
-    return make_drivable(line, curvature_limit=0.2, curvature_rate_limit=0.3, tolerance=0.5).path
+    return make_drivable(line, LineLimits(curvature=0.2, curvature_rate=0.3, tolerance=0.5)).path
 
 
 @pytest.mark.parametrize("path", [figure_eights((10.0, 6.67, 3.0), 20.0), arc(2.5), arc(0.6), recorded()])
@@ -186,7 +185,7 @@ def test_a_table_is_refused_for_its_beginning_or_its_size() -> None:
     assert first_wrong(nodes * np.array([1.0, math.nan, 1.0, 1.0])) == 0
     assert first_wrong(nodes[:1].copy()) == 0
     assert first_wrong(nodes[:0].copy()) == 0
-    assert CHECK.check(ctypes.byref(CPath.from_buffer_copy(bytes(ctypes.sizeof(CPath))))) == 0
+    assert CHECK.drawbar_path_check(ctypes.byref(CPath.from_buffer_copy(bytes(ctypes.sizeof(CPath))))) == 0
 
 
 @pytest.mark.parametrize("apart", [0.0005, 0.3])

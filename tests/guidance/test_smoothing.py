@@ -9,6 +9,7 @@ from drawbar.errors import PathError
 from drawbar.geometry import Floats, LocalFrame
 from drawbar.guidance.importers.line import RecordedLine
 from drawbar.guidance.importers.load import load_line
+from drawbar.guidance.settings import LineLimits
 from drawbar.guidance.smoothing import DrivablePath, make_drivable
 
 LIMIT, RATE = 0.3, 0.3
@@ -19,7 +20,7 @@ def line(x: Floats, y: Floats) -> RecordedLine:
 
 
 def drivable(recorded: RecordedLine, tolerance: float = 0.6, limit: float = LIMIT) -> DrivablePath:
-    return make_drivable(recorded, curvature_limit=limit, curvature_rate_limit=RATE, tolerance=tolerance)
+    return make_drivable(recorded, LineLimits(curvature=limit, curvature_rate=RATE, tolerance=tolerance))
 
 
 def corner(degrees: float, arm: float = 40.0) -> RecordedLine:

@@ -11,7 +11,7 @@ from drawbar.codegen import build
 from drawbar.codegen.library import load
 from drawbar.geometry import Floats
 from drawbar.guidance.figure_eight import figure_eights
-from drawbar.guidance.path import CPath, Path
+from drawbar.guidance.path import PATH_UNIT, CPath, Path
 from drawbar.signals import Pose
 
 CURVATURE, RATE = 0.3, 0.25
@@ -73,7 +73,7 @@ double laid_bend(const struct path *path, double near, double left, double direc
 {
     double sample[4];
 
-    path_sample(path, near, sample);
+    drawbar_path_sample(path, near, sample);
     return approach_bend(sample, left, approach_unit(direction), bend);
 }
 void sample(const struct approach *approach, const struct path *path, double arc_length, double *sample)
@@ -106,7 +106,7 @@ class Approach(ctypes.Structure):
         return self.nodes[self.count - 1][0]
 
 
-C = load(build("turns", SOURCE))
+C = load(build("turns", PATH_UNIT + SOURCE))
 C.shortest.restype = C.laid_bend.restype = Real
 LIMITS = (Real * 2)(CURVATURE, RATE)
 

@@ -34,7 +34,7 @@ class Identification(Alone):
         self.call("adapt", given(then), *(byref(command) for command in commands))
         return commands[0].value, commands[1].value
 
-    def told(self) -> Actuation:
+    def found(self) -> Actuation:
         """Return what is known, and what is planned with."""
         memory = room(Actuation)
         self.call("report", memory)

@@ -30,7 +30,7 @@ class Alignment(Alone):
         self.status = self.call("apply", given(measurement), given(last), given(expected), aligned)
         return taken(Measurement, aligned)
 
-    def told(self) -> Actuation:
+    def found(self) -> Actuation:
         """Return what is found of the sensors; zero where that is of the steerings."""
         found = room(Actuation)
         self.call("report", found)

@@ -6,6 +6,7 @@ from typing import Any
 from drawbar.codegen import Component, Unit, Workspace, build
 from drawbar.codegen.library import aligned, load
 from drawbar.geometry import Floats
+from drawbar.guidance.path import PATH_UNIT
 from drawbar.optimal import ControlProblem, EstimationProblem
 
 ITERATIONS = 58
@@ -24,7 +25,7 @@ class Alone:
     def __init__(self, unit: Unit) -> None:
         """Compile the unit (or take it from the cache)."""
         self.unit = unit
-        library = build(unit.name, {f"{unit.name}.c": unit.hosted_text()})
+        library = build(unit.name, {f"{unit.name}.c": unit.hosted_text(), "path.c": PATH_UNIT})
         component = Component(unit, library)
         self.live: Workspace = component.live
         """the component's fields"""

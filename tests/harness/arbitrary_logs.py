@@ -11,7 +11,8 @@ import numpy as np
 from mcap.writer import Writer
 
 from drawbar.guidance.figure_eight import figure_eights
-from drawbar.recording.log import PathTable, RecordedPoints, RunHeader, encode_special
+from drawbar.recording.encoding import encode_special
+from drawbar.recording.log import PathTable, RecordedPoints, RunHeader
 from drawbar.recording.recorder import Recorder
 from drawbar.signals import StepRecord
 from drawbar.vehicle.parameters import VehicleParameters

@@ -34,7 +34,7 @@ from drawbar.messages import ControllerState, Fixes
 from drawbar.safety.causes import Cause
 from drawbar.safety.desk import Desk
 from drawbar.safety.engagement import Engagement, Situation
-from drawbar.safety.gate_report import Actuation, Asked, Counts, gate_state
+from drawbar.safety.gate_report import Actuation, Counts, Tick, gate_state
 from drawbar.safety.settings import SafetySettings
 
 HOST = "test"
@@ -102,17 +102,14 @@ class Stage:
             Situation(causes=tuple(causes), actions=self.desk.take(), taken=True, standing=self.standing),
         )
         self.sequence += 1
-        none = Actuation(tractor=None, trailer=None, speed=None)
-        state = gate_state(
-            self.time,
-            self.engagement,
-            self.desk,
-            none,
-            Asked(angles=(math.nan, math.nan), speed_limit=1.0),
-            sorted(causes, key=lambda cause: cause.value),
-            Counts(states=self.sequence),
-            valid=1.0,
+        tick = Tick(
+            now=self.time,
+            causes=sorted(causes, key=lambda cause: cause.value),
+            actuation=Actuation(tractor=None, trailer=None, speed=None),
+            angles=(math.nan, math.nan),
+            speed_limit=1.0,
         )
+        state = gate_state(tick, self.engagement, self.desk, Counts(states=self.sequence), valid=1.0)
         self.desk.show(state.sequence, state.time)
         if not self.silent:
             self.link.receive(encode(state))
@@ -185,7 +182,7 @@ class Watcher:
         labels = (each for each in self.user.client.elements.values() if isinstance(each, ui.label))
         return "\n".join(each.text for each in labels if _seen(each))
 
-    def told(self):
+    def notifications(self):
         return " / ".join(self.user.notify.messages)
 
 

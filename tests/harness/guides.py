@@ -48,6 +48,10 @@ class Guidance(Alone):
         tractor, trailer = (body.read(self._stages) for body in (self._tractor, self._trailer))
         return Reference(time=estimate.time, tractor=tractor, trailer=trailer)
 
+    def rejoin(self) -> None:
+        """Lead onto the line anew, from where the bodies next are."""
+        self.call("rejoin")
+
     def change(self, path: Path, start: float, estimate: Estimate) -> GuidanceStatus:
         """Go on along another path near an arc length (m) of it; where that is refused the old one stays."""
         status = GuidanceStatus(self.call("change", byref(CPath(path.nodes)), Real(start), given(estimate)))

@@ -21,7 +21,7 @@ class PushedValve(Transport):
         self.board = StandInBareValve(SETTINGS.model_copy(update={"angles": tuple(scale * a for a in HITCH_ANGLES)}))
         self.connected, self.time, self.speed, self.silent, self.knows_yaw = True, 0.0, SPEED, False, True
         self.rng, self.each, self.motor, self.angle, self.farthest = np.random.default_rng(seed), each, motor, 0.0, 0.0
-        self.told = []
+        self.received = []
         """all drives"""
         self.motion = Motion(-math.inf, math.nan, math.nan)
 
@@ -45,7 +45,7 @@ class PushedValve(Transport):
 
     def write(self, data):
         drive = int(data.split(b",")[1].split(b"*")[0])
-        self.told.append(drive)
+        self.received.append(drive)
         self.board.receive(self.time, drive_of(round(self.motor * drive)))
         return True
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from drawbar.exchange import Layout
+from drawbar.guidance.path import PATH_UNIT
 from drawbar.signals import Diagnostics, Estimate, Flag, Measurement, Status
 
 HERE = Path(__file__).parents[1] / "step"
@@ -21,6 +22,7 @@ UNITS = {
     "drawbar_components.h": f"{PARTS}\n#define DRAWBAR_DEAD_TIME\n"
     f"#define DRAWBAR_STEP_SETTINGS {{{SAMPLE}, 1.0, 1.0, 0.5, {PATIENCE}, {ENDURANCE}, 0.3, 0.03, 0.03, 16.0}}\n"
     '#define DRAWBAR_VERSION "of this test"\n',
+    "path.c": PATH_UNIT,
     "step.c": '#include "step.h"\n',
     "gate.c": """
 #define UNIT(name) drawbar_gate_##name

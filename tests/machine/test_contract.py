@@ -23,7 +23,7 @@ class RecordingMachine(Machine):
     def __init__(self, machine: Machine) -> None:
         self._machine = machine
         self.measurements: list[Measurement] = []
-        self.told: list[Command | str] = []
+        self.received: list[Command | str] = []
 
     def read(self) -> Measurement:
         self.measurements.append(self._machine.read())
@@ -31,15 +31,15 @@ class RecordingMachine(Machine):
 
     def write(self, command: Command) -> None:
         self._machine.write(command)
-        self.told.append(command)
+        self.received.append(command)
 
     def stop(self) -> None:
         self._machine.stop()
-        self.told.append("stop")
+        self.received.append("stop")
 
     def close(self) -> None:
         self._machine.close()
-        self.told.append("close")
+        self.received.append("close")
 
 
 def simulated() -> Machine:
@@ -103,7 +103,7 @@ def test_whatever_leaves_the_context_it_ends_with_a_stop(error: type[BaseExcepti
 
     with pytest.raises(error):
         fail()
-    assert machine.told[-2:] == ["stop", "close"]
+    assert machine.received[-2:] == ["stop", "close"]
 
 
 def test_a_machine_whose_stop_fails_is_closed_nevertheless() -> None:
@@ -115,7 +115,7 @@ def test_a_machine_whose_stop_fails_is_closed_nevertheless() -> None:
     machine.stop = broken  # type: ignore[method-assign]
     with pytest.raises(OSError, match="cable"), machine:
         machine.read()
-    assert machine.told == ["close"]
+    assert machine.received == ["close"]
 
 
 @pytest.mark.parametrize("signal", [KeyboardInterrupt, SystemExit])
@@ -131,7 +131,7 @@ def test_a_machine_that_is_interrupted_while_it_is_told_to_stop_is_told_again(si
     machine.stop = slow  # type: ignore[method-assign]
     with pytest.raises(signal), machine:
         raise ValueError
-    assert machine.told == ["stop", "close"]
+    assert machine.received == ["stop", "close"]
 
 
 def test_what_was_recorded_is_replayed() -> None:

@@ -10,8 +10,8 @@ from arbitrary_logs import arbitrary_step, assert_identical, header, write
 from mcap.reader import make_reader
 
 from drawbar.errors import DrawbarError
-from drawbar.recording import chunks
-from drawbar.recording.chunks import FRAME, LEVEL
+from drawbar.recording import chunk
+from drawbar.recording.chunk import FRAME, LEVEL
 from drawbar.recording.columns import read_columns
 from drawbar.recording.log import read_log
 from drawbar.recording.recorder import Recorder
@@ -34,7 +34,7 @@ def test_a_last_message_cut_at_any_byte_is_left_out(tmp_path, every_step_at_once
 
 
 def test_zeros_behind_a_cut_are_as_if_they_were_not_there(tmp_path, monkeypatch):
-    monkeypatch.setattr(chunks, "CHUNK_BYTES", 3_000)  # two or three steps
+    monkeypatch.setattr(chunk, "CHUNK_BYTES", 3_000)  # two or three steps
     file, steps = tmp_path / "log.mcap", write(tmp_path / "log.mcap", 9)
     whole = file.read_bytes()
     for end in range(len(whole) // 3, len(whole) - 2_000, 137):  # as a file system leaves it where the power failed
@@ -57,7 +57,7 @@ def test_a_log_of_nothing_is_refused_as_empty(tmp_path, content):
 @pytest.fixture(params=[None, LEVEL], ids=["as it is", "compressed"])
 def long_log(request, tmp_path, monkeypatch):
     """Return the file of a log of 40 steps in chunks of three, and its steps."""
-    monkeypatch.setattr(chunks, "CHUNK_BYTES", 3_000)
+    monkeypatch.setattr(chunk, "CHUNK_BYTES", 3_000)
     monkeypatch.setattr("drawbar.recording.recorder._HELD_BACK", 2**64)  # no chunk ends before it is full
     monkeypatch.setattr("time.time_ns", lambda: 1_800_000_000_000_000_000)  # the same bytes each time
     records = [dataclasses.replace(arbitrary_step(seed), step=seed) for seed in range(40)]

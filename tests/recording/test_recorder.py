@@ -14,7 +14,7 @@ from mcap_ros2.decoder import DecoderFactory
 
 from drawbar.errors import DrawbarError
 from drawbar.guidance.figure_eight import figure_eights
-from drawbar.recording import chunks
+from drawbar.recording import chunk
 from drawbar.recording.log import RecordedPoints, read_log
 from drawbar.recording.recorder import Recorder
 from drawbar.recording.table import number_names
@@ -161,7 +161,7 @@ def test_steps_that_come_fast_wait_20_milliseconds_at_most(tmp_path, monkeypatch
 
 def test_steps_that_come_fast_are_not_written_twice(tmp_path, monkeypatch):
     now = 10**9
-    monkeypatch.setattr(chunks, "CHUNK_BYTES", 20_000)
+    monkeypatch.setattr(chunk, "CHUNK_BYTES", 20_000)
     monkeypatch.setattr("drawbar.recording.recorder.time.time_ns", lambda: now)
     with Recorder(tmp_path / "log.mcap", header()) as recorder:
         for seed in range(200):
@@ -177,7 +177,7 @@ def test_steps_that_come_fast_are_not_written_twice(tmp_path, monkeypatch):
 
 
 def test_a_log_of_several_chunks_is_whole_indexed_and_readable_at_any_moment(tmp_path, monkeypatch, every_step_at_once):
-    monkeypatch.setattr(chunks, "CHUNK_BYTES", 3_000)  # two or three steps
+    monkeypatch.setattr(chunk, "CHUNK_BYTES", 3_000)  # two or three steps
     file = tmp_path / "log.mcap"
     with Recorder(file, header()) as recorder:
         for seed in range(20):

@@ -14,8 +14,9 @@ from mcap.opcode import Opcode
 from mcap.reader import make_reader
 from mcap.records import Chunk, MessageIndex
 
-from drawbar.recording import chunks, stream
-from drawbar.recording.chunks import CHUNK_HEAD, FRAME, LEVEL, ChunkedWriter
+from drawbar.recording import chunk, stream
+from drawbar.recording.chunk import CHUNK_HEAD, FRAME, LEVEL
+from drawbar.recording.chunked_writer import MAGIC, ChunkedWriter
 from drawbar.recording.stream import LoggedMessage, read_records
 
 BOTH = pytest.mark.parametrize("level", [None, LEVEL])
@@ -35,7 +36,7 @@ def written(messages: int, size: int = 100, level: int | None = None) -> BytesIO
 
 @pytest.fixture(autouse=True)
 def small_chunks(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(chunks, "CHUNK_BYTES", 1)
+    monkeypatch.setattr(chunk, "CHUNK_BYTES", 1)
 
 
 @BOTH
@@ -45,7 +46,7 @@ def test_messages_come_in_their_order_with_topic_and_time(level: int | None) -> 
 
 
 def test_messages_of_a_channel_stand_together_and_the_index_finds_all(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(chunks, "CHUNK_BYTES", 400)
+    monkeypatch.setattr(chunk, "CHUNK_BYTES", 400)
     file = BytesIO()
     writer = ChunkedWriter(file, "drawbar", LEVEL)
     channels = [writer.add_channel(topic, "json", 0) for topic in ("/a", "/b")]
@@ -67,9 +68,9 @@ def indexed(file: BytesIO) -> Iterator[tuple[int, int]]:
     file.seek(0)
     summary = make_reader(file).get_summary()
     assert summary is not None
-    for chunk in summary.chunk_indexes:
-        data = zstandard.decompress(record(file, chunk.chunk_start_offset, Chunk).data)
-        for channel, place in chunk.message_index_offsets.items():
+    for index in summary.chunk_indexes:
+        data = zstandard.decompress(record(file, index.chunk_start_offset, Chunk).data)
+        for channel, place in index.message_index_offsets.items():
             for time, offset in record(file, place, MessageIndex).records:
                 code, _, of, _, stamp = struct.unpack_from("<BQHIQ", data, offset)
                 assert (code, of, stamp) == (Opcode.MESSAGE, channel, time)
@@ -86,7 +87,7 @@ def record(file: BytesIO, place: int, kind: Any) -> Any:
 def test_a_file_cut_at_any_byte_has_the_chunks_before_it(level: int | None) -> None:
     data = written(3, level=level).getvalue()
     whole = list(read_records(BytesIO(data)))
-    counts = [len(list(read_records(BytesIO(data[:end])))) for end in range(len(chunks.MAGIC), len(data) + 1)]
+    counts = [len(list(read_records(BytesIO(data[:end])))) for end in range(len(MAGIC), len(data) + 1)]
     assert counts == sorted(counts)
     assert set(counts) == {0, 1, 2, 3}
     assert len(whole) == 3
@@ -99,7 +100,7 @@ def test_a_chunk_without_an_end_needs_no_more_memory_than_it_has_bytes(monkeypat
                 raise MemoryError
             return super().read(size)
 
-    monkeypatch.setattr(chunks, "CHUNK_BYTES", 1000)
+    monkeypatch.setattr(chunk, "CHUNK_BYTES", 1000)
     file = BytesIO()
     writer = ChunkedWriter(file, profile="drawbar")
     writer.add_message(writer.add_channel("/step", "json", 0), b"one", sequence=0, log_time=0, publish_time=0)
@@ -147,7 +148,7 @@ class Watched(BytesIO):
         self.states = list[bytes]()
 
     def write(self, data) -> int:
-        halves = (data[: len(data) // 2], data[len(data) // 2 :]) if len(data) > chunks.FRAME.size else (data,)
+        halves = (data[: len(data) // 2], data[len(data) // 2 :]) if len(data) > FRAME.size else (data,)
         for half in halves:
             super().write(half)
             self.states.append(self.getvalue())
@@ -164,7 +165,7 @@ class Watched(BytesIO):
 def test_a_kill_at_any_moment_costs_one_message_at_most(
     monkeypatch: pytest.MonkeyPatch, bytes_each: int, level: int | None
 ) -> None:
-    monkeypatch.setattr(chunks, "CHUNK_BYTES", 2 * bytes_each)  # those of 10 are longer when they are compressed
+    monkeypatch.setattr(chunk, "CHUNK_BYTES", 2 * bytes_each)  # those of 10 are longer when they are compressed
     file, told = Watched(), [bytes([65 + number]) * bytes_each for number in range(6)]
     writer = ChunkedWriter(file, "drawbar", level)
     channel = writer.add_channel("/test", "", 0)

@@ -60,7 +60,7 @@ def test_a_log_cut_short_still_gives_a_report(tmp_path, make_run, monkeypatch):
 
 
 def test_a_damaged_log_gives_a_report_that_says_what_is_lost(tmp_path, make_run, monkeypatch):
-    monkeypatch.setattr("drawbar.recording.chunks.CHUNK_BYTES", 5_000)
+    monkeypatch.setattr("drawbar.recording.chunk.CHUNK_BYTES", 5_000)
     record(tmp_path, make_run(steps=20))
     data = bytearray((tmp_path / LOG_NAME).read_bytes())
     data[data.index(b"\0\1\0\0", data.index(b"\0\1\0\0") + 9_000) + 300] ^= 1

@@ -5,17 +5,19 @@ import time
 from itertools import islice
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
 
 from drawbar.config import load_configuration
 from drawbar.geometry import Floats
+from drawbar.guidance.path import Path as Line
 from drawbar.recording.columns import read_columns
 from drawbar.recording.log import Outcome, RunLog
 from drawbar.recording.recorder import Recorder
 from drawbar.report.map import map_figure
-from drawbar.report.path_errors import true_path_errors
-from drawbar.signals import StepRecord
+from drawbar.report.path_errors import _project_stretches, estimated_path_errors, true_path_errors
+from drawbar.signals import Flag, StepRecord
 from drawbar.simulation import Simulation
 
 NUDGE = 0.3
@@ -127,3 +129,30 @@ def test_the_map_of_a_run_on_its_path_shows_no_other_line() -> None:
     names = {trace["name"] for trace in map_figure(driven(nudge=0.0))["data"]}
     assert "Path" in names
     assert "Line beside the path" not in names
+
+
+@pytest.mark.parametrize("body", ["tractor", "trailer"])
+def test_what_was_driven_by_hand_before_or_between_does_not_lead_the_judgement_astray(body: str) -> None:
+    log = driven("path.straight_length=25.0", nudge=0.0)
+    by_hand = {*range(60), *range(100, 160)}  # each 12 m: more than is searched ahead of the last place
+    records = tuple(
+        msgspec.structs.replace(record, flags=record.flags | Flag.RELEASED) if record.step in by_hand else record
+        for record in log.records
+    )
+    steered = np.array([record.step not in by_hand for record in records])
+    found = getattr(estimated_path_errors(dataclasses.replace(log, records=records)), body)
+    whole = getattr(estimated_path_errors(log), body)
+    np.testing.assert_array_equal(np.isfinite(found.error), steered)
+    np.testing.assert_allclose(found.error[steered], whole.error[steered], atol=1e-6)
+    np.testing.assert_allclose(found.progress[steered], whole.progress[steered], atol=1e-3)
+
+
+def test_a_pass_driven_the_other_way_is_found_where_it_is() -> None:
+    x = np.linspace(0.0, 100.0, 101)
+    labels = np.zeros(100, np.int8)
+    path = Line.through(arc_length=x, x=x, y=0.0 * x, yaw=0.0 * x, label_of_piece=labels, label_names=("line",))
+    track = np.column_stack([np.linspace(80.0, 60.0, 40), np.full(40, 3.0)])
+    near = 100.0 - track[:, 0]  # of the path from its end
+    found = _project_stretches(path, track, near, np.zeros(40, dtype=bool))
+    np.testing.assert_allclose(found.error, 3.0, atol=1e-9)
+    np.testing.assert_allclose(found.progress, track[:, 0], atol=1e-6)

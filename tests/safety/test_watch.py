@@ -127,3 +127,23 @@ def test_a_position_that_is_not_believed_refuses_to_engage_and_a_drive_goes_on()
     bench.controller = told
     bench.run(1.0)
     assert bench.state is SupervisorState.ACTIVE
+
+
+def test_mirrored_front_wheels_refuse_to_engage_and_release_the_steering():
+    told = {"notices": (Cause.STEERING_MIRRORED.value, *[0] * 7)}
+    assert setting_looks.refuses(Cause.STEERING_MIRRORED, **told)(SafetySettings())
+    assert not setting_looks.refuses(Cause.STEERING_MIRRORED)(SafetySettings())
+    bench = Bench(SafetySettings()).drive()
+    bench.controller = told
+    bench.run(0.3)
+    assert bench.state is SupervisorState.FAULT
+
+
+def test_antennas_at_a_wrong_distance_refuse_to_engage_and_a_drive_goes_on():
+    told = {"notices": (Cause.ANTENNA_DISTANCE.value, *[0] * 7)}
+    assert setting_looks.refuses(Cause.ANTENNA_DISTANCE, **told)(SafetySettings())
+    assert not setting_looks.refuses(Cause.ANTENNA_DISTANCE)(SafetySettings())
+    bench = Bench(SafetySettings()).drive()
+    bench.controller = told
+    bench.run(1.0)
+    assert bench.state is SupervisorState.ACTIVE

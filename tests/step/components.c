@@ -194,6 +194,11 @@ int drawbar_guidance_reference(struct component *component, const struct path *p
     return status_of(seen.speed);
 }
 
+void drawbar_guidance_rejoin(struct component *component)
+{
+    (void)component;
+}
+
 int drawbar_guidance_finished(struct component *component, const struct path *path)
 {
     (void)component;

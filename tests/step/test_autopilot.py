@@ -222,6 +222,17 @@ def test_an_engagement_begins_with_the_steering_and_the_speed_as_they_are(build)
     assert max(abs(r.reference.trailer.lateral_error) for r in after[60:]) < 0.08
 
 
+def test_an_engagement_beside_the_line_joins_it_gently(build):
+    simulation = build("articulated", "speed=2.0")
+    beside = drive_by_hand(simulation, 67)[-1].reference.tractor.lateral_error
+    assert abs(beside) > 0.2
+    simulation.autopilot.set_engaged(True)
+    after = [record for record, _ in zip(simulation.steps(), range(40), strict=False)]
+    assert after[0].reference.tractor.lateral_error == pytest.approx(beside, abs=0.05)  # the line's, not the join's
+    assert max(abs(record.command.tractor_steering) for record in after[:10]) < math.radians(9.0)  # 14 without a join
+    assert all(abs(record.reference.tractor.lateral_error) < 0.08 for record in after[20:])
+
+
 def test_the_path_changes_under_the_vehicle_without_a_restart(build):
     simulation = build("articulated", "path.straight_length=40.0")
     steps = simulation.steps()

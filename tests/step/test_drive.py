@@ -28,21 +28,21 @@ class Watched(Machine):
     """Passes everything on to a simulated machine, and writes down what it is told."""
 
     def __init__(self, machine, change=lambda measurement: measurement):
-        self.machine, self.change, self.told = machine, change, []
+        self.machine, self.change, self.received = machine, change, []
 
     def read(self):
         return self.change(self.machine.read())
 
     def write(self, command):
-        self.told.append(command.speed)
+        self.received.append(command.speed)
         self.machine.write(command)
 
     def stop(self):
-        self.told.append("stop")
+        self.received.append("stop")
         self.machine.stop()
 
     def close(self):
-        self.told.append("close")
+        self.received.append("close")
 
 
 def driven(simulation, change=lambda measurement: measurement, time_limit=1000.0):
@@ -58,14 +58,14 @@ def test_a_run_ends_with_the_path(build):
     machine, steps = driven(short(build))
     records = list(steps)
     assert records[-1].reference.tractor.progress == pytest.approx(short(build).path.length, abs=0.3)
-    assert machine.told[-3:] == [0.0, "stop", "close"]
+    assert machine.received[-3:] == [0.0, "stop", "close"]
 
 
 def test_a_vehicle_that_does_not_arrive_is_given_up(build):
     machine, steps = driven(short(build), time_limit=4.0)
     with pytest.raises(RunAborted, match="not finished within 4 s"):
         list(steps)
-    assert machine.told[-2:] == ["stop", "close"]
+    assert machine.received[-2:] == ["stop", "close"]
 
 
 def test_the_time_limit_counts_from_the_first_measurement(build):
@@ -73,7 +73,7 @@ def test_the_time_limit_counts_from_the_first_measurement(build):
     assert len(list(islice(steps, 20))) == 20
     with pytest.raises(RunAborted, match="not finished within 4 s"):
         list(steps)
-    assert machine.told[-2:] == ["stop", "close"]
+    assert machine.received[-2:] == ["stop", "close"]
 
 
 def jump(at, metres=100.0):
@@ -93,7 +93,7 @@ def test_a_vehicle_that_left_the_path_is_given_up_after_its_record(build):
     assert told == [Status.OFF_COURSE]
     with pytest.raises(RunAborted, match=r"At 5\.0 s the tractor was .* m from the path \(limit 6 m\)"):
         next(steps)
-    assert machine.told[-3:] == [0.0, "stop", "close"]
+    assert machine.received[-3:] == [0.0, "stop", "close"]
 
 
 def test_a_first_measurement_without_a_position_is_told(build):
@@ -167,7 +167,7 @@ def test_whatever_breaks_the_loop_the_machine_is_told_to_stop(build, monkeypatch
         for _ in steps:
             if place == "consumer":
                 broken()
-    assert machine.told[-2:] == ["stop", "close"]
+    assert machine.received[-2:] == ["stop", "close"]
     assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
 
 
@@ -205,7 +205,7 @@ def test_an_interrupt_at_any_line_of_a_step_ends_with_a_stop(build, every):
         list(islice(steps, 2))
         if not interrupted_at(line, steps):
             break
-        assert machine.told[-2:] == ["stop", "close"], f"line {line}"
+        assert machine.received[-2:] == ["stop", "close"], f"line {line}"
     assert line > 50
 
 
@@ -244,7 +244,7 @@ def test_a_machine_that_reports_no_measurement_is_told_and_stopped(build, change
     given = repr(change(SimpleNamespace(time=0.0)))[:6]
     with pytest.raises(HardwareError, match=rf"Watched\.read\(\) returned {given}.*must return a drawbar\.Measurement"):
         list(steps)
-    assert machine.told[-2:] == ["stop", "close"]
+    assert machine.received[-2:] == ["stop", "close"]
 
 
 @pytest.mark.parametrize("time", [math.nan, math.inf])
@@ -252,7 +252,7 @@ def test_a_first_measurement_without_a_time_is_told(build, time):
     machine, steps = driven(short(build), lambda m: replace(m, time=time))
     with pytest.raises(HardwareError, match=f"first measurement has time = {time}; give seconds"):
         next(steps)
-    assert machine.told == ["stop", "close"]
+    assert machine.received == ["stop", "close"]
 
 
 @pytest.mark.parametrize(
@@ -267,7 +267,7 @@ def test_a_clock_that_does_not_go_on_ends_the_run_and_is_named(build, stamp, tmp
     with pytest.raises(RunAborted, match=r"time stamps had not increased, or were not finite, for 1\.0 s"), log:  # noqa: PT012
         for record in steps:
             log.write(record)
-    assert machine.told[-3:] == [0.0, "stop", "close"]
+    assert machine.received[-3:] == [0.0, "stop", "close"]
     assert 20 < len(read_log(tmp_path / "log.mcap").records) < 30
 
 
@@ -291,7 +291,7 @@ def test_what_is_no_machine_and_an_autopilot_without_a_path_are_refused(build):
     machine = Watched(simulation.machine)
     with pytest.raises(PathError, match=r"no path; call autopilot\.begin\(path\)"):
         next(drive(machine, build_autopilot(simulation.configuration), time_limit=1.0))
-    assert machine.told == [0.0, "stop", "close"]
+    assert machine.received == [0.0, "stop", "close"]
 
 
 def test_a_machine_that_forgets_to_stop_cannot_be_made():

@@ -208,6 +208,22 @@ def test_a_caller_who_is_always_late_is_slowed_and_stopped(driver, elapsed):
     assert driver.command[3] == 0.0
 
 
+@pytest.mark.parametrize(("elapsed", "calls"), [(0.1, 12), (0.16, 35), (0.25, 35)])
+def test_a_caller_at_another_rate_is_stopped(driver, elapsed, calls):
+    driver.step()
+    ends = statuses(driver, calls, elapsed=elapsed)
+    assert ends[0] == 0
+    assert ends[-1] == Status.RATE
+    assert driver.command[3] == 0.0
+
+
+@pytest.mark.parametrize("shares", [(0.96, 0.96), (1.04, 1.04), (0.6, 1.4), (1.45, 0.55), (1.8, 0.2)])
+def test_jitter_and_clocks_that_differ_a_little_are_no_other_rate(driver, shares):
+    driver.step()
+    for share in 30 * shares:
+        assert statuses(driver, 1, elapsed=share * SAMPLE)[0] < STATUS["REFUSED"]
+
+
 def test_a_command_is_repeated_for_a_second_by_the_clock_too(driver):
     driver.step(tractor_steering=0.2)
     ends = statuses(driver, 3, elapsed=0.6, tractor_steering=math.nan)

@@ -34,6 +34,18 @@ def test_set_wall_clock_gives_the_time_of_reading_once(clocks: tuple[FakeClock, 
     assert converter.monotonic(wall.now - 0.01) == pytest.approx(monotonic.now - 0.01)
 
 
+@pytest.mark.parametrize("jump", [-3600.0, -1.0, 0.2, 1.0, 3600.0])
+def test_what_waited_while_the_wall_clock_was_set_is_no_older_than_it_is(
+    clocks: tuple[FakeClock, FakeClock], jump: float
+) -> None:
+    monotonic, wall = clocks
+    converter = StampConverter(monotonic, wall)
+    stamps = [wall.now, wall.now + 0.004, wall.now + 0.008]
+    monotonic.now += 0.01
+    wall.now += 0.01 + jump
+    assert [converter.monotonic(stamp) for stamp in stamps] == [monotonic.now] * 3
+
+
 def test_process_stopped_between_two_looks_is_no_set_clock(clocks: tuple[FakeClock, FakeClock]) -> None:
     monotonic, wall = clocks
     stops = [0.0, 0.0, 0.03, 0.02, 0.0]

@@ -131,7 +131,7 @@ class Progress:
         rates = self._pushing.rates
         if rates is not None:
             return f"rate and lag: push {min(rates.done + 1, 2 * PUSHES)} of {2 * PUSHES}"
-        if self._pushing.begun:
+        if self._pushing.started:
             return f"dead band: run {min(self._pushing.bands.done + 1, 2 * RUNS)} of {2 * RUNS}"
         return "waiting for the vehicle to roll and for the switch to be held"
 

@@ -16,6 +16,7 @@ from drawbar.fields.lines import on_plane
 from drawbar.geometry import Floats, LocalFrame
 from drawbar.guidance.importers.load import LINE_FILES
 from drawbar.guidance.path import LEAST_STRETCH, Path
+from drawbar.messages import Fixes
 from drawbar.report.outline import tractor_outline, trailer_outline
 from drawbar.signals import Pose, StepRecord
 from drawbar.step.build import build_tubes
@@ -156,6 +157,25 @@ def moving(record: StepRecord) -> Moving | None:
         steering=steering if math.isfinite(steering) else 0.0,
         plans=(_plan(record.plan.tractor.poses), _plan(record.plan.trailer.poses)),
     )
+
+
+def moving_by_hand(place: tuple[float, float, float], fixes: Fixes, joints: tuple[float, float]) -> Moving | None:
+    """Return where both bodies are by their receivers alone, away from any line; None: where they face is not known.
+
+    Args:
+        place: of the tractor, with its yaw as far as that is known.
+        fixes: of both receivers.
+        joints: how far ahead of the tractor's and the trailer's place they are joined, m.
+    """
+    x, y, yaw = place
+    yaw = yaw if math.isfinite(yaw) else math.atan2(y - fixes.trailer_y, x - fixes.trailer_x)
+    if not math.isfinite(yaw):
+        return None
+    joint = x + joints[0] * math.cos(yaw), y + joints[0] * math.sin(yaw)
+    trailer = fixes.trailer_x, fixes.trailer_y, math.atan2(joint[1] - fixes.trailer_y, joint[0] - fixes.trailer_x)
+    if not math.isfinite(sum(trailer)):  # it has no receiver: drawn straight behind
+        trailer = joint[0] - joints[1] * math.cos(yaw), joint[1] - joints[1] * math.sin(yaw), yaw
+    return Moving(tractor=(x, y, yaw), trailer=trailer, steering=0.0, plans=([], []))
 
 
 def _plan(poses: Floats) -> Points:

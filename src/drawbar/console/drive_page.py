@@ -6,7 +6,7 @@ from typing import Any
 from nicegui import ui
 
 from drawbar.console.adjusting import Adjusting
-from drawbar.console.drawing import Lines
+from drawbar.console.drawing import Lines, Moving, moving_by_hand
 from drawbar.console.instruments import Instruments
 from drawbar.console.link import Link
 from drawbar.console.menu import menu
@@ -30,6 +30,7 @@ class DrivePage:
         """Build the page; standing, lines: what does not move by itself (drawing.py); login: visitors may log out."""
         self._link, self._visitor, self._words, self._lines = link, visitor, words, lines
         self._speed, self._working_width = float(standing["speed"]), float(standing["workingWidth"])
+        self._joints = float(standing["tractorJoint"]), float(standing["trailerJoint"])
         self._offset, self._lost = 0.0, False
         self._shown: Board | None = None
         self._taps = Taps()
@@ -79,8 +80,16 @@ class DrivePage:
         if self._instruments.may_draw:
             self._adjusting.refresh()
             self._show_lines()
-            seen = picture(gate, link.controller, link.moving, words, stale=link.is_stale, satellites=link.satellites)
+            place = self._moving()
+            seen = picture(gate, link.controller, place, words, stale=link.is_stale, satellites=link.satellites)
             self._instruments.draw(seen)
+
+    def _moving(self) -> Moving | None:
+        """Return where both bodies are: by the estimate, where there is none by the receivers."""
+        link, place = self._link, self._link.surveyor.place
+        if link.moving is not None or place is None or link.fixes is None:
+            return link.moving
+        return moving_by_hand(place, link.fixes, self._joints)
 
     def _announce_lost_record(self) -> None:
         """Tell, once, that nothing is recorded any more: steering continues, and the list of warnings may be long."""

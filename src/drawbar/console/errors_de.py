@@ -248,7 +248,8 @@ ERRORS_DE: Mapping[str, str] = {
         "{0}: ist keine lesbare Konfiguration ({1}).",
     "{}: is neither a file nor a shipped configuration{}; give a TOML file or one of: {}.":
         "{0}: ist weder eine Datei noch eine mitgelieferte Konfiguration; mitgeliefert sind: {2}.",
-    "not UTF-8 text": "kein Text (UTF-8)",
+    "{}: byte {} is not UTF-8 text; save the file as UTF-8.":
+        "{0}: Byte {1} ist kein Text (UTF-8); die Datei als UTF-8 speichern.",
     "{}: extends = {} is not allowed; give the name of a shipped configuration ({}) or of a file in the same folder, "
     "but none that extends this one.":
         "{0}: extends = {1} ist nicht erlaubt; eine mitgelieferte Konfiguration nennen ({2}) oder eine Datei im "

@@ -3,6 +3,7 @@
 import asyncio
 import json
 import math
+import shlex
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
@@ -188,11 +189,9 @@ class FieldsPage:
             field,
             line,
             round(numbers[0]),
+            configuration.guidance.line_limits(configuration.vehicle.curvature_limit),
             width=float(numbers[1]),
             offset=float(numbers[2]) / 100.0,
-            curvature_limit=configuration.vehicle.curvature_limit,
-            curvature_rate_limit=configuration.guidance.curvature_rate_limit,
-            tolerance=configuration.guidance.path_tolerance,
         )
 
     def _said(self) -> str:
@@ -240,7 +239,7 @@ class FieldsPage:
             self._flaw.set_text(self._words.message(error))
             return
         self._audit.write(self._visitor, "TAKE_LINE", file=str(saved), line=line.name)
-        tell(self._words("saved_for_next", file=str(saved)), good=True)
+        tell(self._words("saved_for_next", file=shlex.quote(str(saved))), good=True)
 
     def _keep_line(self, name: str, points: Floats) -> None:
         """Keep a new line, (n, 2) m of the drive's frame, in the field that is shown; in a new one if that is far."""
@@ -251,6 +250,7 @@ class FieldsPage:
             self._field = Field(name=kept)
         line = workshop.fields.add_line(self._field.name, FieldLine(name=name, points=degrees))
         self._audit.write(self._visitor, "NEW_LINE", field=self._field.name, line=line)
+        tell(self._words("line_kept", line=line, field=self._field.name), good=True)
         self._show_field(self._field.name, line)
 
     async def _take_in(self, fields: tuple[Field, ...]) -> None:

@@ -100,10 +100,16 @@ class Link:
     @property
     def satellites(self) -> int:
         """In use by the receiver that has the fewest, of those that say how many; 0: not known."""
-        fixes = self._fixes
-        if fixes is None or self.clock() - fixes.time > STALE:
+        fixes = self.fixes
+        if fixes is None:
             return 0
         return min((each for each in (fixes.tractor_satellites, fixes.trailer_satellites) if each), default=0)
+
+    @property
+    def fixes(self) -> Fixes | None:
+        """The newest of both receivers; None: there are no new ones."""
+        fresh = self._fixes is not None and self.clock() - self._fixes.time <= STALE
+        return self._fixes if fresh else None
 
     def motion(self) -> Motion:
         """Return how the tractor moves, by its receiver."""

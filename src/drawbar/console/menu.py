@@ -23,7 +23,7 @@ def menu(words: Words, *, login: bool, may_leave: Callable[[], bool] = lambda: T
     """
     request = ui.context.client.request
     ui.dark_mode(_LOOKS.get(request.cookies.get("drawbar-look", "") if request is not None else ""))
-    told = ", ".join(json.dumps(words(key)) for key in ("sound_on", "sound_off"))
+    states = ", ".join(json.dumps(words(key)) for key in ("sound_on", "sound_off"))
 
     def leave(address: str) -> None:
         if may_leave():
@@ -36,7 +36,7 @@ def menu(words: Words, *, login: bool, may_leave: Callable[[], bool] = lambda: T
             ui.menu_item(words(key), lambda address=address: leave(address)).mark(key)
         ui.separator()
         ui.menu_item(words("look"), lambda: ui.run_javascript("toggleLook()"))
-        ui.menu_item(words("sound"), lambda: ui.run_javascript(f"toggleSound({told})"))
+        ui.menu_item(words("sound"), lambda: ui.run_javascript(f"toggleSound({states})"))
         other, here = "en" if words.language == "de" else "de", request.url.path if request is not None else ""
         ui.menu_item(words("language"), lambda: leave(f"/language/{other}?page={here}"))
         if login:

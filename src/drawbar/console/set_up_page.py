@@ -1,6 +1,7 @@
 """Set-up page: the vehicle's numbers beside a drawing to scale, devices with rates and ages, versions."""
 
 import math
+import shlex
 from functools import partial
 
 from nicegui import ui
@@ -188,7 +189,7 @@ class SetUpPage:
             tell(flaws(str(error), self._words))
             return
         self._audit.write(self._visitor, "SET_UP", file=str(file))
-        tell(self._words("saved_for_next", file=str(file)), good=True)
+        tell(self._words("saved_for_next", file=shlex.quote(str(file))), good=True)
         self._reset()
 
     def _list_versions(self) -> None:

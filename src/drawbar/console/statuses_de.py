@@ -13,6 +13,7 @@ STATUSES_DE: Mapping[Status, str] = {
     Status.STOPPED: "länger, als einer wiederholt werden darf, kam kein neuer Befehl",
     Status.UNSOLVED: "Schätzer oder Regler hatten zu lange keine Lösung",
     Status.OVERDUE: "Messungen kamen zu lange zu spät",
+    Status.RATE: "Messungen kommen öfter oder seltener, als die Abtastzeit sagt",
     Status.COARSE: "die Positionen waren zu lange ungenau",
     Status.OSCILLATION: "Abstand oder Lenkung schwingen von einer Seite zur anderen",
     Status.BACKWARDS: "beide Antennen bewegen sich rückwärts: sie sind vertauscht, oder das Fahrzeug fährt rückwärts",

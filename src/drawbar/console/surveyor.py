@@ -57,8 +57,8 @@ class Surveyor:
             return None
         if not math.isfinite(fixes.tractor_x + fixes.tractor_y):
             return None
-        told = (fixes.tractor_roll - self._mast.roll_offset, fixes.tractor_pitch - self._mast.pitch_offset)
-        roll, pitch = (each if math.isfinite(each) else 0.0 for each in told)
+        attitude = (fixes.tractor_roll - self._mast.roll_offset, fixes.tractor_pitch - self._mast.pitch_offset)
+        roll, pitch = (each if math.isfinite(each) else 0.0 for each in attitude)
         if not math.isfinite(self._yaw):
             if self._mast.forward or self._mast.left:
                 return None  # nobody knows where the axle is from there

@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 from drawbar.console.drawing import Moving
 from drawbar.console.words import Words
-from drawbar.driving.operator.display import BAD, GOOD, STANDS, WARNING, notices
+from drawbar.driving.operator.display import BAD, GOOD, STANDS, WARNING, is_beside_line, notices, refusals
 from drawbar.driving.operator.requests import wished_speed
 from drawbar.messages import ControllerState, GateState, SupervisorState
 from drawbar.safety.causes import BY_CODE, Cause
@@ -93,7 +93,9 @@ def board(
     state = gate.state
     latched, ready = state in LATCHED, state is SupervisorState.READY
     driving = state in STEERING
-    reasons = ((words("next_ready"), ""),) if ready and drives else _reasons(gate, words)
+    reasons = ((words("next_ready"), ""),) if ready and drives else _reasons(gate, controller, words)
+    if latched and drives:
+        reasons = ((words("next_override" if state is SupervisorState.OVERRIDE else "next_latched"), ""), *reasons)
     reasons += tuple(map(words.cause, notices(controller, gate)))
     return Board(
         word=words(state.name),
@@ -102,7 +104,8 @@ def board(
         detail=_detail(gate, words, None if controller is None else Status(controller.status)),
         brake=bool(gate.stop) and state is not SupervisorState.STOPPED and not abs(speed) <= STANDS,
         steers=driving,
-        heading=words("next" if ready else "warnings" if driving else "why_not") + _count(reasons),
+        heading=words("next" if ready or (latched and drives) else "warnings" if driving else "why_not")
+        + _count(reasons),
         reasons=reasons,
         lease=_lease(words, mine=mine, holder=holder, drives=drives),
         may_arm=drives and ready and not (gate.armed and mine) and (mine or holder is None),
@@ -143,8 +146,8 @@ def _detail(gate: GateState, words: Words, status: Status | None) -> str:
     return " · ".join(parts)
 
 
-def _reasons(gate: GateState, words: Words) -> tuple[tuple[str, str], ...]:
-    found = tuple(words.cause(BY_CODE[code]) for code in gate.refusals if code)
+def _reasons(gate: GateState, controller: ControllerState | None, words: Words) -> tuple[tuple[str, str], ...]:
+    found = tuple(map(words.cause, refusals(gate, controller)))
     if not found and gate.state is SupervisorState.STANDBY:
         return ((words("wait_ready"), ""),)
     return found
@@ -191,15 +194,16 @@ def picture(
         stale: the gate's state is old.
         satellites: in use by the receiver that has the fewest; 0: not known.
     """
+    errors = controller if is_beside_line(gate, controller) else None
     return {
         "seen": gate.sequence if gate is not None else -1,
         "stale": stale,
         "state": gate.state.name if gate is not None else "NO_CONTACT",
         "unrecorded": gate is not None and Cause.NOT_RECORDING.value in gate.refusals,
-        "bodies": [_body(controller, body, words) for body in ("tractor", "trailer")],
+        "bodies": [_body(errors, body, words) for body in ("tractor", "trailer")],
         "chips": _chips(controller, satellites, words),
         "moving": place.to_browser() if place is not None else None,
-        "error": _finite(controller.tractor_lateral_error) if controller is not None else None,
+        "error": _finite(errors.tractor_lateral_error) if errors is not None else None,
     }
 
 

@@ -32,11 +32,12 @@ class Words:
         return sentence[:1].upper() + sentence[1:], advice[:1].upper() + advice[1:]
 
     def led(self, cause: Cause, status: Status | None) -> str:
-        """Return what a cause says; of the end of the controller's run also with which status, None: not known."""
+        """Return what a cause says; of the end of the controller's run why it ended, by its status; None: not known."""
         sentence, _ = self.cause(cause)
         if cause is not Cause.CONTROLLER_STOPS or status is None or not status.has_ended:
             return sentence
-        return f"{sentence}: {STATUSES_DE[status] if self.language == 'de' else status.text}"
+        text = STATUSES_DE[status] if self.language == "de" else status.text.removeprefix("stopped: ")
+        return text[:1].upper() + text[1:]
 
     def signal(self, name: str) -> str:
         """Return what a signal of a control step is called, with its unit."""

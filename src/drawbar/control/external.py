@@ -5,11 +5,13 @@ It takes part in the whole control step: the estimator before it, the gate and t
 
 import ctypes
 import importlib
+import importlib.util
 import inspect
 import sys
 import traceback
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -153,24 +155,47 @@ def _declared(of: Any) -> tuple[str, int | None]:
         return sys.modules[of.__module__].__file__ or "", None
 
 
-def _class(place: str) -> Callable[..., Controller]:
-    """Return the class that stands at MODULE:CLASS, on Python's path or in the working directory."""
-    module, _, name = place.partition(":")
+def written_source(place: str) -> str:
+    """Return the text of the package of MODULE:CLASS, or of its module and those beside it; empty: there is none."""
+    module = place.partition(":")[0]
+    with _from_here():
+        try:
+            spec = importlib.util.find_spec(module.partition(".")[0])
+        except (ImportError, ValueError):
+            spec = None
+    if spec is None or spec.origin is None:
+        return ""
+    folder = Path(spec.origin).parent
+    files = folder.rglob("*.py") if spec.submodule_search_locations else folder.glob("*.py")
+    return "\0".join(file.read_text("utf-8", errors="replace") for file in sorted(files))
+
+
+@contextmanager
+def _from_here() -> Iterator[str]:
+    """Let modules of the working directory be found; yields it."""
     here = str(Path.cwd())
     added = [] if here in sys.path else [here]
     sys.path.extend(added)
     try:
-        kind = getattr(importlib.import_module(module), name)
-    except (ImportError, AttributeError) as error:
-        raise ConfigurationError(
-            f'controller.model = "{place}": {error}; give MODULE:CLASS of a module on Python\'s path or in the working '
-            f"directory {here}."
-        ) from error
-    except Exception as error:
-        raise _failure(place, error) from error
+        yield here
     finally:
         for each in added:
             sys.path.remove(each)
+
+
+def _class(place: str) -> Callable[..., Controller]:
+    """Return the class that stands at MODULE:CLASS, on Python's path or in the working directory."""
+    module, _, name = place.partition(":")
+    with _from_here() as here:
+        try:
+            kind = getattr(importlib.import_module(module), name)
+        except (ImportError, AttributeError) as error:
+            raise ConfigurationError(
+                f'controller.model = "{place}": {error}; give MODULE:CLASS of a module on Python\'s path or in the '
+                f"working directory {here}."
+            ) from error
+        except Exception as error:
+            raise _failure(place, error) from error
     if not (isinstance(kind, type) and issubclass(kind, Controller)):
         raise ConfigurationError(f'controller.model = "{place}": {name} is not a subclass of drawbar.Controller.')
     return kind

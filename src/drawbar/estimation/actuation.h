@@ -71,14 +71,16 @@ static int does_not_follow(struct component *actuation, int i, double measured)
     return actuation->unexplained_time[i] > actuation->patience;
 }
 
-/* Whether a measured angle has stayed the very same for too long after commands should have moved it. */
+/* Whether a measured angle has stayed the very same for too long after commands should have moved it. By how much the expected
+ * angle was wrong when the sensor last changed, it may only be catching up. */
 static int is_stuck(struct component *actuation, int i, double measured, double speed)
 {
     struct frozen_signal *frozen = &actuation->frozen[i];
 
     const struct lag_bank *bank = &actuation->banks[i];
-    frozen_update(frozen, measured, bank->angle[bank_likeliest(bank, &actuation->grid)], speed);
-    const double least = STUCK_SHARE * actuation->residual, missed = frozen_excess(frozen, least) / least;
+    const double expected = bank->angle[bank_likeliest(bank, &actuation->grid)] + actuation->offsets[i];
+    frozen_update(frozen, measured, expected, speed);
+    const double least = STUCK_SHARE * actuation->residual, missed = frozen_excess(frozen, least, frozen->error) / least;
 
     if (!(missed > 1.0)) {
         actuation->stuck_time[i] = 0.0;

@@ -17,6 +17,7 @@
 struct frozen_signal {
     double value;                          /* as reported */
     double least, most;                    /* range of the expected value meanwhile */
+    double error;                          /* of the expected value when this one was first reported */
     double resolution;                     /* smallest change of the reported value so far */
     int32_t repeated, longest, samples;    /* repetitions in motion now; longest sequence; samples in motion */
 };
@@ -34,6 +35,7 @@ static inline void frozen_update(struct frozen_signal *frozen, double reported, 
         frozen->longest = frozen->repeated > frozen->longest ? frozen->repeated : frozen->longest;
         frozen->value = reported;
         frozen->least = frozen->most = expected;
+        frozen->error = isfinite(change) ? fabs(expected - reported) : 0.0;
         frozen->repeated = 0;
     } else {
         frozen->repeated += moves;
@@ -42,10 +44,13 @@ static inline void frozen_update(struct frozen_signal *frozen, double reported, 
     frozen->most = fmax(frozen->most, expected);
 }
 
-/* By how much the range of the expected value exceeds the sensor's resolution, which counts as `most` at most. */
-static inline double frozen_excess(const struct frozen_signal *frozen, double most)
+/* By how much the range of the expected value exceeds an error of it, and the sensor's resolution, which counts as `most` at
+ * most. */
+static inline double frozen_excess(const struct frozen_signal *frozen, double most, double error)
 {
-    return frozen->most - frozen->least - (frozen->resolution > 0.0 ? fmin(frozen->resolution, most) : most);
+    const double resolution = frozen->resolution > 0.0 ? fmin(frozen->resolution, most) : most;
+
+    return frozen->most - frozen->least - fmax(resolution, error);
 }
 
 /* Length of this sequence per the longest plausible one: from 1 on the sensor is stuck; 0: its resolution is coarse. */

@@ -38,6 +38,11 @@ struct position_alignment {
     FIELD(type, place.leans.bank.states, 0, SIGNS, LEANS, 0)                                                 \
     FIELD(type, place.leans.bank.covariance, 0, LEANS, LEANS, 0)
 
+static inline const struct drawbar_pose *body_pose(const struct drawbar_estimate *estimate, int body)
+{
+    return body == ALIGNED_TRACTOR ? &estimate->tractor : &estimate->trailer;
+}
+
 /* The estimated zero of a body's roll sensor, beyond the stated offset. */
 static inline struct roll_zero roll_zero(const struct position_alignment *positions, int body)
 {
@@ -51,8 +56,8 @@ static inline void take_attitude(struct position_alignment *positions, int body,
 {
     const struct mast *mast = &positions->masts[body];
     const double roll = *roll_now - mast->roll_offset, pitch = *pitch_now - mast->pitch_offset;
-    const double last = body == ALIGNED_TRACTOR ? since->last->tractor.yaw : since->last->trailer.yaw;
-    const double now = body == ALIGNED_TRACTOR ? since->expected->tractor.yaw : since->expected->trailer.yaw;
+    const double last = body_pose(since->last, body)->yaw;
+    const double now = body_pose(since->expected, body)->yaw;
 
     const double zero = roll_zero_correction(roll_zero(positions, body));
     if (attitude_record(&positions->tracks[body], since->now, age, roll - zero, pitch))
@@ -68,8 +73,8 @@ static inline void record_ground(struct position_alignment *positions, const str
 {
     const int body = attitude_is_new(&positions->tracks[ALIGNED_TRACTOR], since->now) ? ALIGNED_TRACTOR : ALIGNED_TRAILER;
     const struct attitude_track *track = &positions->tracks[body];
-    const struct drawbar_pose *last = body == ALIGNED_TRACTOR ? &since->last->tractor : &since->last->trailer;
-    const struct drawbar_pose *now = body == ALIGNED_TRACTOR ? &since->expected->tractor : &since->expected->trailer;
+    const struct drawbar_pose *last = body_pose(since->last, body);
+    const struct drawbar_pose *now = body_pose(since->expected, body);
     double slope[2];
 
     if (!attitude_is_new(track, since->now))
@@ -123,7 +128,7 @@ static inline void lean(struct position_alignment *positions, int body, const st
 static inline void watch_swing(struct position_alignment *positions, int body, const struct since *since, double age,
                                double deviation, const double *fix, const double *arm)
 {
-    const struct drawbar_pose *now = body == ALIGNED_TRACTOR ? &since->expected->tractor : &since->expected->trailer;
+    const struct drawbar_pose *now = body_pose(since->expected, body);
     const struct mast *mast = &positions->masts[body];
     const struct attitude_track *track = &positions->tracks[body];
     const double antenna[] = {fix[0] + arm[0] - now->x, fix[1] + arm[1] - now->y};
@@ -141,8 +146,8 @@ static inline void watch_swing(struct position_alignment *positions, int body, c
 static inline void align_fix(struct position_alignment *positions, int body, const struct since *since, double age,
                              double deviation, double *fix)
 {
-    const struct drawbar_pose *last = body == ALIGNED_TRACTOR ? &since->last->tractor : &since->last->trailer;
-    const struct drawbar_pose *now = body == ALIGNED_TRACTOR ? &since->expected->tractor : &since->expected->trailer;
+    const struct drawbar_pose *last = body_pose(since->last, body);
+    const struct drawbar_pose *now = body_pose(since->expected, body);
     const struct mast *mast = &positions->masts[body];
     struct reported_fix *known = &positions->fixes[body];
     const double reported[] = {fix[0], fix[1]};

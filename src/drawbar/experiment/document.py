@@ -1,6 +1,6 @@
 """Results as Markdown: one results.md per experiment, and REPORT.md, which says what all of them taught."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -96,11 +96,10 @@ def _read_summary(file: Path) -> Summary:
         ) from error
 
 
-def _opening(summaries: Iterable[Summary]) -> list[str]:
+def _opening(summaries: Collection[Summary]) -> list[str]:
     """Return the first lines: what was learned, and what was missed and why."""
-    told = list(summaries)
-    lines = [f"- {each.learned}" for each in told if each.learned]
-    for each in told:
+    lines = [f"- {each.learned}" for each in summaries if each.learned]
+    for each in summaries:
         if each.missed or each.lost:
             lost = f", and {each.lost} of its runs did not come to the end" if each.lost else ""
             of = f"{each.missed} of {each.expected} expected figures of *{each.title}*{lost}"

@@ -193,7 +193,7 @@ def find_experiments(name: str) -> list[Path]:
         return known
     for folder in (FOLDER / name, Path(name)):
         if (folder / FILE_NAME).is_file():
-            return [folder]
+            return [folder if folder.name.strip(".") else folder.resolve()]  # `.` has no name of its own
     listed = ", ".join(folder.name for folder in known) or "none; run the command where drawbar's repository lies"
     near = meant(name, [folder.name for folder in known])
     raise ConfigurationError(
@@ -282,10 +282,15 @@ def _configurations(
         beside = folder / source
         return load_configuration(str(beside) if beside.is_file() else source, changes).to_toml()
 
-    return {
-        name: complete(case.configuration or case.name, (*settings.changes, *case.changes, *variant.changes))
-        for name, (case, variant) in driven.items()
-    }
+    found: dict[str, str] = {}
+    for name, (case, variant) in driven.items():
+        try:
+            changes = (*settings.changes, *case.changes, *variant.changes)
+            found[name] = complete(case.configuration or case.name, changes)
+        except ConfigurationError as error:
+            named = "" if case.configuration else ", whose name is that of its configuration,"
+            raise ConfigurationError(f"{folder / FILE_NAME}: case {name!r}{named} cannot be read: {error}") from error
+    return found
 
 
 def _alterations(folder: Path, case: Case, variant: Variant) -> tuple[Alteration, ...]:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from drawbar.benchmark.figures import on_one_core
 from drawbar.config import Configuration
+from drawbar.control.external import written_source
 from drawbar.experiment.alteration import Alteration
 from drawbar.experiment.deviation import RecordedDeviation
 from drawbar.geometry import Floats
@@ -58,7 +59,13 @@ class Task:
         alterations = [text for each in self.alterations for text in (each.name, each.source)]
         kept = (*self.columns, "altered by", *alterations)
         return digest(
-            source_digest(), self.configuration, str(self.seed), str(self.one_core), str(self.rehearsed), *kept
+            source_digest(),
+            controller_source(self.configuration),
+            self.configuration,
+            str(self.seed),
+            str(self.one_core),
+            str(self.rehearsed),
+            *kept,
         )
 
 
@@ -111,6 +118,13 @@ def source_digest() -> str:
         measuring = [file for file in files if file.relative_to(root).parts[0] not in _BESIDE_THE_RUN]
         measuring += [root / "experiment" / name for name in _OF_THE_RUN]
         return digest(*(file.read_text("utf-8") for file in measuring))
+
+
+@cache
+def controller_source(configuration: str) -> str:
+    """Return the source of the user's own controller in a complete configuration (TOML); empty: there is none."""
+    controller = tomllib.loads(configuration)["controller"]
+    return written_source(controller["implementation"]) if controller["model"] == "external" else ""
 
 
 def encode_result(result: Result) -> bytes:

@@ -22,6 +22,7 @@ from drawbar.export.precision import single, single_memory, single_text
 from drawbar.export.recording import measurement_table, path_table, record
 from drawbar.export.targets import Precision, Target
 from drawbar.export.toolchain import build_target
+from drawbar.guidance.path import PATH_UNIT
 from drawbar.simulation import Simulation
 from drawbar.step.build import step_settings, units_of
 from drawbar.step.library import StepSettings
@@ -141,6 +142,7 @@ def _source_files(
     version = f"drawbar {__version__} {configuration_mark} {precision}"
     constants = _constants(configuration, components, version)
     texts = {f"{component.name}.c": sources.component_text(component) for component in components}
+    texts["path.c"] = PATH_UNIT
     texts["step.c"] = '/* The control step. */\n#include "step.h"\n'
     texts["actuate.c"] = '/* The low level: valves, motors, pedal. */\n#include "actuate.h"\n'
     texts["line.c"] = '/* Recorded lines as paths. */\n#include "line_path.h"\n'

@@ -93,7 +93,7 @@ def single_memory(components: Sequence[Component], texts: Mapping[str, str]) -> 
     Raises:
         CompilerError: no compiler, or it refused the code.
     """
-    files = {name: text for name, text in texts.items() if name.endswith(".h")}
+    files = dict(texts)
     for component in components:
         name = component.name
         work = "sizeof(WORK)" if component.work_size else "0"

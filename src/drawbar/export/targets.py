@@ -20,6 +20,7 @@ FLAGS = (
 SMALL = {
     "line.c": "-Os",
     "guidance.c": "-Os",
+    "path.c": "-Os",
     "step.c": "-Os",
     "gate.c": "-Os",
     "run_monitor.c": "-Os",

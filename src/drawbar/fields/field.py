@@ -91,7 +91,7 @@ def make_field(
     taken: set[str] = set()
     found, besides = [], [*left_out]
     for index, (given, degrees) in enumerate(lines, 1):
-        plain = _plain(given) or f"line {index}"
+        plain = plain_name(given) or f"line {index}"
         unique = plain if plain not in taken else next(n for i in count(2) if (n := f"{plain} ({i})") not in taken)
         taken.add(unique)
         points = _on_earth(f"{source}: line '{unique}'", degrees)
@@ -100,10 +100,10 @@ def make_field(
         else:
             besides.append(f"line '{unique}' of {different} point(s)")
     ring = _ring(f"{source}: the boundary", boundary) if boundary is not None else None
-    return Field(name=_plain(name) or "field", lines=tuple(found), boundary=ring, left_out=tuple(besides))
+    return Field(name=plain_name(name) or "field", lines=tuple(found), boundary=ring, left_out=tuple(besides))
 
 
-def _plain(name: str) -> str:
+def plain_name(name: str) -> str:
     """Return a name that can be that of a file, and a row of one."""
     plain = " ".join(re.sub(r"[/\\\x00-\x1f\x7f-\x9f]", " ", name).split()).lstrip(". ")
     return plain.encode("utf-8", "ignore")[:_LONGEST].decode("utf-8", "ignore")

@@ -8,6 +8,7 @@ from drawbar.fields.field import Field
 from drawbar.fields.lines import on_plane, pass_beside, with_ends
 from drawbar.geometry import Floats
 from drawbar.guidance.importers.line import RecordedLine
+from drawbar.guidance.settings import LineLimits
 from drawbar.guidance.smoothing import DrivablePath, make_drivable
 
 NOTICED = 0.02
@@ -38,12 +39,10 @@ def plan_pass(
     field: Field,
     name: str,
     number: int,
+    limits: LineLimits,
     *,
     width: float,
     offset: float,
-    curvature_limit: float,
-    curvature_rate_limit: float,
-    tolerance: float,
 ) -> PlannedPass:
     """Return what will be driven.
 
@@ -51,11 +50,9 @@ def plan_pass(
         field: of the line.
         name: of the line.
         number: of the pass, to the left of the line; 0 is the line itself.
+        limits: of what is driven.
         width: of the implement, m.
         offset: of the implement, to the left, m.
-        curvature_limit: 1/m.
-        curvature_rate_limit: 1/m².
-        tolerance: largest deviation that is accepted, m.
 
     Raises:
         PathError: there is no such line or pass, or the vehicle cannot drive it.
@@ -67,10 +64,7 @@ def plan_pass(
     called = name if number == 0 and offset == 0.0 else f"{name} {number:+d}"
     places = [f"{called}, point {index}" for index in range(1, len(points) + 1)]
     recorded = RecordedLine.checked(called, points, places)
-    drivable = make_drivable(
-        recorded, curvature_limit=curvature_limit, curvature_rate_limit=curvature_rate_limit, tolerance=tolerance
-    )
-    return PlannedPass(line=recorded, drivable=drivable)
+    return PlannedPass(line=recorded, drivable=make_drivable(recorded, limits))
 
 
 def _dense(points: Floats) -> Floats:

@@ -4,7 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from drawbar.errors import PathError, StorageError
-from drawbar.fields.field import Field, FieldLine
+from drawbar.fields.field import Field, FieldLine, plain_name
 from drawbar.fields.formats import geojson
 
 _SUFFIX = ".geojson"
@@ -42,8 +42,9 @@ class FieldStore:
         """Add a line to a field; return its name, with a number where the name is taken. Raises as load() and add()."""
         field = self.load(name)
         taken = [each.name for each in field.lines]
-        numbered = (f"{line.name} ({number})" for number in range(2, len(taken) + 3))
-        unique = next(each for each in (line.name, *numbered) if each not in taken)
+        plain = plain_name(line.name) or f"line {len(taken) + 1}"  # as it is read again
+        numbered = (f"{plain} ({number})" for number in range(2, len(taken) + 3))
+        unique = next(each for each in (plain, *numbered) if each not in taken)
         self._write(replace(field, lines=(*field.lines, replace(line, name=unique))))
         return unique
 

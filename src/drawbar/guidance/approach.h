@@ -47,9 +47,9 @@ static inline void approach_sample(const struct approach *approach, const struct
     const double beyond = arc_length - path_length(&track);
 
     if (beyond > 0.0)
-        path_sample(path, approach->joins_at + beyond, sample);
+        drawbar_path_sample(path, approach->joins_at + beyond, sample);
     else
-        path_sample(&track, arc_length, sample);
+        drawbar_path_sample(&track, arc_length, sample);
 }
 
 /* What a track may do, and how much the search for one may cost. */
@@ -86,7 +86,7 @@ static inline void approach_lay_node(struct drawbar_path_node *node, const struc
     const double left = node->y;
     double sample[4];
 
-    path_sample(path, node->x, sample);
+    drawbar_path_sample(path, node->x, sample);
     const struct approach_unit ahead = approach_unit(sample[AT_YAW]), along = approach_unit(direction);
     node->x = sample[AT_X] - left * ahead.sine;
     node->y = sample[AT_Y] + left * ahead.cosine;
@@ -106,7 +106,7 @@ static inline int approach_join(struct drawbar_path_node *a, double tightest)
     if (!(b->arc_length > a->arc_length))
         return 0;
     const struct path joined = {a, 2, NULL};
-    const struct path_cubic piece = path_cubic(&joined, 1);
+    const struct path_cubic piece = drawbar_path_cubic(&joined, 1);
     return fabs(2.0 * (piece.x[1] * piece.y[2] - piece.y[1] * piece.x[2])) <= tightest;
 }
 
@@ -125,7 +125,7 @@ static inline int approach_lay(struct approach *approach, const struct path *pat
             return 0;
     }
     /* the track ends in the path's direction; whole rounds before that are not the path's */
-    path_sample(path, approach->joins_at, closest);
+    drawbar_path_sample(path, approach->joins_at, closest);
     const double rounds = last->yaw - closest[AT_YAW];
     for (int32_t i = 0; i < approach->count; ++i)
         nodes[i].yaw -= rounds;
@@ -138,7 +138,7 @@ static inline struct beside_path beside_path(const struct path *path, const stru
 {
     double closest[4];
 
-    path_sample(path, near, closest);
+    drawbar_path_sample(path, near, closest);
     const double offset = cos(closest[AT_YAW]) * (pose->y - closest[AT_Y])
         - sin(closest[AT_YAW]) * (pose->x - closest[AT_X]);
     const double turned = wrapped(pose->yaw - closest[AT_YAW]);
@@ -185,7 +185,7 @@ static inline int approach_turn_fits(const struct onto_line *line, const struct 
         const double left = y - direction.cosine / bend;
         if (most->places-- <= 0)
             return 0;
-        path_sample(path, x + direction.sine / bend, sample);
+        drawbar_path_sample(path, x + direction.sine / bend, sample);
         if (!(fabs(left) <= most->widest) || !(fabs(approach_bend(sample, left, direction, bend)) <= most->tightest))
             return 0;
         look += 1.0;

@@ -6,6 +6,7 @@
 #ifndef DRAWBAR_GUIDANCE_H
 #define DRAWBAR_GUIDANCE_H
 
+#include <string.h>
 #include "geometry.h"
 #include "path.h"
 #include "signals.h"
@@ -39,16 +40,16 @@ static inline int guidance_place(struct guidance *guidance, const struct path *p
     const double reach = guidance->start_distance;
     double beginning[4], error;
 
-    path_sample(path, start, beginning);
+    drawbar_path_sample(path, start, beginning);
     *distance = hypot(tractor[0] - beginning[AT_X], tractor[1] - beginning[AT_Y]);
     if (!(*distance <= reach))
         return DRAWBAR_GUIDANCE_FAR_FROM_START;
     if (!isfinite(trailer[0] + trailer[1]))
         return DRAWBAR_GUIDANCE_POSE_NOT_FINITE;
-    guidance->progress[TRACTOR] = path_project(path, tractor[0], tractor[1], start - reach, start + reach, &error);
+    guidance->progress[TRACTOR] = drawbar_path_project(path, tractor[0], tractor[1], start - reach, start + reach, &error);
     /* the trailer stands behind the tractor, which may itself stand behind the start */
     guidance->progress[TRAILER]
-        = path_project(path, trailer[0], trailer[1], start - 3.0 * reach, start + reach, &error);
+        = drawbar_path_project(path, trailer[0], trailer[1], start - 3.0 * reach, start + reach, &error);
     return DRAWBAR_GUIDANCE_FINE;
 }
 
@@ -94,7 +95,7 @@ static inline int guidance_change(struct guidance *guidance, const struct path *
 
     if (status != DRAWBAR_GUIDANCE_FINE)
         return status;
-    path_sample(path, placed.progress[TRACTOR], sample);
+    drawbar_path_sample(path, placed.progress[TRACTOR], sample);
     if (!(hypot(tractor[0] - sample[AT_X], tractor[1] - sample[AT_Y]) <= GUIDANCE_UNDER
           && fabs(wrapped(estimate->tractor.yaw - sample[AT_YAW])) <= ASTRAY))
         return DRAWBAR_GUIDANCE_FAR_FROM_START;
@@ -112,7 +113,7 @@ static inline int guidance_finished(const struct guidance *guidance, const struc
 static inline double guidance_closest(const struct guidance *guidance, const struct path *path,
                                       const struct drawbar_pose *pose, double last, double *error)
 {
-    return path_project(path, pose->x, pose->y, last - guidance->window_behind, last + guidance->window_ahead, error);
+    return drawbar_path_project(path, pose->x, pose->y, last - guidance->window_behind, last + guidance->window_ahead, error);
 }
 
 static inline int is_finite_pose(const struct drawbar_pose *pose)
@@ -134,7 +135,7 @@ static inline int guidance_advance(struct guidance *guidance, const struct path 
         guidance->progress[i]
             = guidance_closest(guidance, path, poses[i], guidance->progress[i], &reference->lateral_error);
         reference->progress = guidance->progress[i];
-        path_sample(path, reference->progress, reference->closest);
+        drawbar_path_sample(path, reference->progress, reference->closest);
         reference->samples = (const double (*)[4])guidance->samples[i];
     }
     return DRAWBAR_GUIDANCE_FINE;
@@ -158,13 +159,11 @@ static inline void guidance_to_bodies(struct guidance *guidance, const struct dr
 {
     const double yaws[BODIES] = {estimate->tractor.yaw, estimate->trailer.yaw};
     const double crabs[BODIES] = {estimate->tractor_crab, estimate->trailer_crab};
-    double directions[STAGES + 1], turned[STAGES + 1], sines[STAGES + 1];
 
     for (int i = 0; i < BODIES; ++i) {
         if (tracked_is_body(&guidance->tracked[i]))
             continue;
-        tracked_body(&guidance->tracked[i], estimate, yaws[i], crabs[i], STAGES + 1, guidance->samples[i], directions, turned,
-                     sines);
+        tracked_body(&guidance->tracked[i], estimate, yaws[i], crabs[i], guidance->samples[i]);
         memcpy(references[i]->closest, guidance->samples[i][0], sizeof references[i]->closest);
     }
 }

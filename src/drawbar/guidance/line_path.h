@@ -7,7 +7,8 @@
 #define DRAWBAR_LINE_PATH_H
 
 #include "drawbar_line.h"
-#include "path_check.h"
+#include "lanes.h"
+#include "path.h"
 
 #define LINE_PIECE 0.25                    /* longest step, m: PIECE_LENGTH of path.py */
 #define LINE_SHORTEST 0.1                  /* lengths between which a line may be one, m: _SHORTEST of line.py, */
@@ -168,8 +169,8 @@ static inline int32_t line_undrivable(const struct path *path, const struct draw
 
     for (int32_t i = 0; i + 1 < path->count; ++i) {
         const double begin = path->nodes[i].arc_length, length = path->nodes[i + 1].arc_length - begin;
-        path_sample(path, begin, at);
-        path_sample(path, begin + 0.5 * length, middle);
+        drawbar_path_sample(path, begin, at);
+        drawbar_path_sample(path, begin + 0.5 * length, middle);
         const double rate = i > 0 ? fabs(at[AT_CURVATURE] - last[AT_CURVATURE]) / length : 0.0;
         if (!(fmax(fabs(at[AT_CURVATURE]), fabs(middle[AT_CURVATURE])) <= limits->curvature)
             || !(rate <= LINE_RATE_MARGIN * limits->curvature_rate))
@@ -191,7 +192,7 @@ static inline int32_t line_far(const struct path *path, const struct drawbar_lin
         along += i > 0 ? line_distance(&points[i - 1], &points[i]) : 0.0;
         const double node = fmin(floor(along / step + 0.5), path->count - 1.0);
         const double guess = path->nodes[(int32_t)node].arc_length;
-        path_project(path, points[i].x, points[i].y, guess - LINE_SEARCH, guess + LINE_SEARCH, &error);
+        drawbar_path_project(path, points[i].x, points[i].y, guess - LINE_SEARCH, guess + LINE_SEARCH, &error);
         if (!(fabs(error) <= furthest)) {
             furthest = fabs(error);
             far = i;
@@ -243,9 +244,9 @@ int drawbar_line_nearest(const struct drawbar_path_node *nodes, int32_t count, d
 
     if (nodes == NULL || arc_length == NULL || against == NULL)
         return DRAWBAR_LINE_NULL;
-    if (path_check(&path) >= 0 || !(fabs(x) <= LINE_FARTHEST && fabs(y) <= LINE_FARTHEST) || isinf(yaw) || !(reach > 0.0))
+    if (drawbar_path_check(&path) >= 0 || !(fabs(x) <= LINE_FARTHEST && fabs(y) <= LINE_FARTHEST) || isinf(yaw) || !(reach > 0.0))
         return DRAWBAR_LINE_POINTS;
-    *arc_length = path_nearest(&path, x, y, yaw, reach, both_ways != 0, &away);
+    *arc_length = drawbar_path_nearest(&path, x, y, yaw, reach, both_ways != 0, &away);
     *against = away;
     return DRAWBAR_LINE_MADE;
 }
@@ -256,7 +257,7 @@ int drawbar_line_reverse(const struct drawbar_path_node *nodes, int32_t count, s
 
     if (nodes == NULL || reversed == NULL)
         return DRAWBAR_LINE_NULL;
-    if (path_check(&path) >= 0)
+    if (drawbar_path_check(&path) >= 0)
         return DRAWBAR_LINE_POINTS;
     for (int32_t i = 0; i < count; ++i) {
         const struct drawbar_path_node *node = &nodes[count - 1 - i];

@@ -15,6 +15,12 @@ struct component {
 #define COMPONENT_FIELDS                                                                                          \
     GUIDANCE_FIELDS(component, guidance.) SETTING(component, look_ahead, 0, 1, 0, 0) SETTING(component, advance, 0, BODIES, 0, 0)
 
+/* The look-ahead alone leads onto the line. */
+void UNIT(rejoin)(struct component *component)
+{
+    (void)component;
+}
+
 /* Place both bodies on the path from where they stand when the run begins; returns an enum drawbar_guidance. */
 int UNIT(begin)(struct component *component, const struct path *path, double start,
                 const struct drawbar_measurement *first, double *distance)
@@ -50,7 +56,7 @@ int UNIT(reference)(struct component *component, const struct path *path, const 
         double places[STAGES + 1];
         for (int j = 0; j <= STAGES; ++j)
             places[j] = component->look_ahead + component->advance[i] * j + guidance->progress[i];
-        path_samples(path, places, STAGES + 1, guidance->samples[i]);
+        drawbar_path_samples(path, places, STAGES + 1, guidance->samples[i]);
     }
     guidance_to_branch(guidance, estimate);
     return DRAWBAR_GUIDANCE_FINE;

@@ -1,6 +1,6 @@
 """The path to follow: poses joined by cubic Hermite pieces, continued as straight lines beyond both ends.
 
-The arithmetic is C, path.h; a look-up costs about the same for any length of path.
+The arithmetic is C (path.h); a look-up costs about the same for any length of path.
 """
 
 import ctypes
@@ -24,26 +24,19 @@ PIECE_LENGTH = 0.25
 LEAST_STRETCH = 0.1
 """of a parallel line against its path, where it runs inside of a curve"""
 
-_SOURCE = """\
-#include "path.h"
-void samples(const struct path *path, const double *arc_lengths, int64_t count, double (*samples)[4])
-{
-    path_samples(path, arc_lengths, count, samples);
-}
-void project(const struct path *path, double x, double y, double low, double high, double found[2])
-{
-    found[0] = path_project(path, x, y, low, high, &found[1]);
-}
-double nearest(const struct path *path, double x, double y, double yaw, double reach, int32_t both_ways, int *against)
-{
-    return path_nearest(path, x, y, yaw, reach, both_ways, against);
-}
+PATH_UNIT = """\
+/* The path. */
+#include "path_check.h"
+#include "path_evaluation.h"
+"""
+"""the unit of a library that defines what path.h declares"""
+_TRACK = """\
 void track(const struct path *path, const double *x, const double *y, int64_t count, double start, double behind,
            double ahead, double *progress, double *error)
 {
     for (int64_t i = 0; i < count; ++i)
         if (isfinite(x[i]) && isfinite(y[i]))
-            start = progress[i] = path_project(path, x[i], y[i], start - behind, start + ahead, &error[i]);
+            start = progress[i] = drawbar_path_project(path, x[i], y[i], start - behind, start + ahead, &error[i]);
 }
 """
 
@@ -104,7 +97,7 @@ class Path:
         """Return (..., 4): x (m), y (m), continuous yaw (rad), curvature (1/m) at arc lengths (...) in m."""
         asked = np.asarray(arc_length, dtype=np.float64, order="C")
         samples = np.empty((*asked.shape, 4))
-        _library().samples(CPath(self.nodes), asked.ctypes.data, asked.size, samples.ctypes.data)
+        _library().drawbar_path_samples(CPath(self.nodes), asked.ctypes.data, asked.size, samples.ctypes.data)
         return samples
 
     def beside(self, offset: float) -> Self:
@@ -167,9 +160,9 @@ class Path:
         Only arc lengths from low to high are searched. The error is positive when (x, y) is left of the path.
         The nearest node starts a Newton iteration on the distance along the tangent.
         """
-        found = (ctypes.c_double * 2)()
-        _library().project(CPath(self.nodes), x, y, low, high, found)
-        return found[0], found[1]
+        error = ctypes.c_double()
+        arc_length = _library().drawbar_path_project(CPath(self.nodes), x, y, low, high, ctypes.byref(error))
+        return float(arc_length), error.value
 
     def nearest(self, x: float, y: float, yaw: float, *, reach: float, both_ways: bool) -> tuple[float, bool]:
         """Return the arc length (m) of the path's nearest place, and whether the path leads the other way there.
@@ -185,7 +178,8 @@ class Path:
             both_ways: a place that leads against the vehicle is as good.
         """
         against = ctypes.c_int()
-        arc_length = _library().nearest(CPath(self.nodes), x, y, yaw, reach, both_ways, ctypes.byref(against))
+        nearest = _library().drawbar_path_nearest
+        arc_length = nearest(CPath(self.nodes), x, y, yaw, reach, both_ways, ctypes.byref(against))
         return float(arc_length), bool(against.value)
 
     def project_track(
@@ -213,13 +207,18 @@ class Path:
 @cache
 def _library() -> ctypes.CDLL:
     """Return the compiled functions of a path."""
-    library = load(build("path", _SOURCE))
-    path, real = ctypes.POINTER(CPath), ctypes.c_double
-    library.samples.argtypes, library.samples.restype = [path, ctypes.c_void_p, ctypes.c_int64, ctypes.c_void_p], None
-    library.project.argtypes, library.project.restype = [path, real, real, real, real, ctypes.POINTER(real)], None
-    library.nearest.argtypes = [path, real, real, real, real, ctypes.c_int32, ctypes.POINTER(ctypes.c_int)]
-    library.nearest.restype = real
-    pointer, count = ctypes.c_void_p, ctypes.c_int64
-    library.track.argtypes = [path, pointer, pointer, count, real, real, real, pointer, pointer]
-    library.track.restype = None
+    library = load(build("path", PATH_UNIT + _TRACK))
+    path, real, pointer, count = ctypes.POINTER(CPath), ctypes.c_double, ctypes.c_void_p, ctypes.c_int64
+    functions = {
+        "drawbar_path_samples": (None, (path, pointer, count, pointer)),
+        "drawbar_path_project": (real, (path, real, real, real, real, ctypes.POINTER(real))),
+        "drawbar_path_nearest": (
+            real,
+            (path, real, real, real, real, ctypes.c_int, ctypes.POINTER(ctypes.c_int)),
+        ),
+        "track": (None, (path, pointer, pointer, count, real, real, real, pointer, pointer)),
+    }
+    for name, (result, arguments) in functions.items():
+        function = getattr(library, name)
+        function.restype, function.argtypes = result, arguments
     return library

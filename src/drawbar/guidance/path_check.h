@@ -27,8 +27,7 @@ static inline int path_is_piece(const struct drawbar_path_node *a, const struct 
         && gap <= PATH_GAP * length;
 }
 
-/* The first node that is wrong, or -1 where the path can be followed. */
-static inline int32_t path_check(const struct path *path)
+int32_t drawbar_path_check(const struct path *path)
 {
     if (path->nodes == NULL || path->count < 2 || !path_is_node(path->nodes) || path->nodes[0].arc_length != 0.0)
         return 0;

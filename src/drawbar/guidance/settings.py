@@ -1,5 +1,6 @@
 """The sections `path` and `guidance` of a configuration: what to drive, and how it becomes references."""
 
+from dataclasses import dataclass
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
@@ -49,6 +50,18 @@ class PathSettings(Settings):
         return self
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LineLimits:
+    """What a recorded line must keep to once it is made drivable: struct drawbar_line_limits."""
+
+    curvature: float
+    """1/m"""
+    curvature_rate: float
+    """1/m²"""
+    tolerance: float
+    """largest distance of a recorded point from the path, m"""
+
+
 class GuidanceSettings(Settings):
     """How the path is turned into references for the controllers."""
 
@@ -69,3 +82,7 @@ class GuidanceSettings(Settings):
     curvature_rate_limit: Positive = 0.3
     """largest change of curvature per metre of recorded lines and of turns onto the path, so that the steering can
     follow, 1/m²"""
+
+    def line_limits(self, curvature: float) -> LineLimits:
+        """Return those of a recorded line for a vehicle that turns so tightly, 1/m."""
+        return LineLimits(curvature=curvature, curvature_rate=self.curvature_rate_limit, tolerance=self.path_tolerance)

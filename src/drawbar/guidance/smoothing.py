@@ -11,6 +11,7 @@ from drawbar.geometry import Floats, LocalFrame
 from drawbar.guidance import fairing
 from drawbar.guidance.importers.line import RecordedLine
 from drawbar.guidance.path import PIECE_LENGTH, Complexes, Path
+from drawbar.guidance.settings import LineLimits
 
 _DETAIL = 0.7
 """details of a recorded line shorter than this are smoothed everywhere, m"""
@@ -21,7 +22,7 @@ _REACH = 12.0
 _BEHIND = 4.0
 """margin of a kink's label: the trailer is still in it when the tractor has left, m"""
 _NOTICEABLE = 0.05
-"""distance from the recorded line that makes a stretch component of a kink, m"""
+"""distance from the recorded line that makes a stretch part of a kink, m"""
 _STRAIGHT = 0.02
 """curvature below which a stretch is called straight, 1/m"""
 _HELD = 4
@@ -66,19 +67,17 @@ class _Steps:
     """m"""
 
 
-def make_drivable(
-    line: RecordedLine, *, curvature_limit: float, curvature_rate_limit: float, tolerance: float
-) -> DrivablePath:
-    """Return the path closest to the line within the vehicle's curvature (1/m) and curvature rate (1/m²).
+def make_drivable(line: RecordedLine, limits: LineLimits) -> DrivablePath:
+    """Return the path closest to the line within the limits.
 
     Classes are "straight", "curve", and "kink" where the line was tighter than the vehicle can turn. Raises
-    PathError when a recorded point is further than tolerance (m) from the path, or when no path was found.
+    PathError when a recorded point is too far from the path, or when no path was found.
     """
     line_in_steps = _resample(line.x + 1j * line.y)
     points, step = line_in_steps.points, line_in_steps.step
     faired = fairing.smooth(points, _DETAIL, step=step)
-    allowed = _MARGIN * curvature_limit
-    tight = _tight(faired, step, allowed, curvature_rate_limit)
+    allowed = _MARGIN * limits.curvature
+    tight = _tight(faired, step, allowed, limits.curvature_rate)
     nodes = faired.copy()
     for stretch in _stretches(tight, round(_REACH / step)):
         _require_short(line, points[stretch], step)
@@ -87,14 +86,14 @@ def make_drivable(
             guess,
             _judged(line_in_steps, stretch),
             curvature=allowed,
-            rate=curvature_rate_limit,
+            rate=limits.curvature_rate,
             free=(stretch.start == 0, stretch.stop == len(points)),
         )
     kink = _spread(tight | _deviating(nodes, points), 0, round(_BEHIND / step))
     path, arc_length = _path_along(nodes, kink)
     deviations = _deviations(path, line_in_steps.recorded, arc_length[line_in_steps.vertices])
-    _require_drivable(path, line.name, curvature_limit, curvature_rate_limit)
-    _require_close(line, deviations, curvature_limit, tolerance)
+    _require_drivable(path, line.name, limits)
+    _require_close(line, deviations, limits)
     recorded = np.column_stack([line.x, line.y])
     return DrivablePath(path=path, recorded=recorded, deviations=deviations, frame=line.frame)
 
@@ -200,7 +199,7 @@ def _require_short(line: RecordedLine, points: Complexes, step: float) -> None:
         )
 
 
-def _require_drivable(path: Path, name: str, curvature_limit: float, curvature_rate_limit: float) -> None:
+def _require_drivable(path: Path, name: str, limits: LineLimits) -> None:
     """Refuse a path whose curvature, or its rate from node to node, is out of the limits, saying where."""
     nodes = path.nodes[:-1, 0]
     samples = path.sample(nodes)
@@ -209,8 +208,8 @@ def _require_drivable(path: Path, name: str, curvature_limit: float, curvature_r
     rate[1:] = np.diff(samples[:, 3]) / np.diff(nodes)
     curvature = np.maximum(np.abs(samples[:, 3]), np.abs(middle[:, 3]))
     for what, values, limit, unit in (
-        ("curvature", curvature, curvature_limit, "1/m"),
-        ("curvature rate", np.abs(rate), _RATE_MARGIN * curvature_rate_limit, "1/m²"),
+        ("curvature", curvature, limits.curvature, "1/m"),
+        ("curvature rate", np.abs(rate), _RATE_MARGIN * limits.curvature_rate, "1/m²"),
     ):
         worst = int(values.argmax())
         if not values[worst] <= limit:
@@ -221,13 +220,13 @@ def _require_drivable(path: Path, name: str, curvature_limit: float, curvature_r
             )
 
 
-def _require_close(line: RecordedLine, deviations: Floats, curvature_limit: float, tolerance: float) -> None:
+def _require_close(line: RecordedLine, deviations: Floats, limits: LineLimits) -> None:
     """Refuse a path that is too far from a recorded point, saying which and by how much."""
     worst = int(deviations.argmax())
-    if not deviations[worst] <= tolerance:
+    if not deviations[worst] <= limits.tolerance:
         raise PathError(
             f"line {line.name!r} is too tight for the vehicle: recorded point {worst + 1} at "
             f"({line.x[worst]:z.2f}, {line.y[worst]:z.2f}) m is {deviations[worst]:.3f} m from the closest "
-            f"path within {curvature_limit:g} 1/m; at most {tolerance:g} m is allowed: raise "
+            f"path within {limits.curvature:g} 1/m; at most {limits.tolerance:g} m is allowed: raise "
             f"guidance.path_tolerance, or vehicle.curvature_limit if it can turn tighter, or redraw the line there"
         )

@@ -2,8 +2,9 @@
  *
  * A point that is `ahead` of its body's axle moves in a direction by which the body turns: d yaw / d distance =
  * (direction - yaw) / ahead (small angles). Ahead of the axle that is a lag in the direction of travel; behind it, one
- * against it: the line ahead determines today's yaw. So the body's own point gets a line that leads the tracked point along the path, and no
- * controller needs to steer a point that first moves the wrong way (docs/theory/tracked-points.md).
+ * against it: the line ahead determines today's yaw. So the body's own point gets a line that leads the tracked point
+ * along the path, and no controller needs to steer a point that first moves the wrong way (docs/theory/tracked-points.md).
+ * The including unit defines STAGES.
  */
 #ifndef DRAWBAR_TRACKED_H
 #define DRAWBAR_TRACKED_H
@@ -87,18 +88,19 @@ static inline double tracked_axle(double ahead, double left, double curvature, d
     return ahead != 0.0 ? slope / (ahead + left * slope) : curvature / (1.0 + left * curvature);
 }
 
-/* Let the samples of what a tracked point follows (count of them) be those of the body's own point; the last three have room for
- * a number of each. */
+/* Let the samples of what a tracked point follows become those of the body's own point; yaw and crab angle (rad) are the
+ * body's. */
 static inline void tracked_body(const struct tracked *tracked, const struct drawbar_estimate *estimate, double yaw,
-                                double crab, int count, double (*samples)[4], double *directions, double *yaws, double *sines)
+                                double crab, double (*samples)[4])
 {
     const double ahead = tracked->arm[0] + tracked->axle;
+    double directions[STAGES + 1], yaws[STAGES + 1], sines[STAGES + 1];
 
-    side_slip_changes(estimate, (const double (*)[4])samples, count, directions, yaws, sines);
-    for (int k = 0; k < count; ++k)
+    side_slip_changes(estimate, (const double (*)[4])samples, STAGES + 1, directions, yaws, sines);
+    for (int k = 0; k <= STAGES; ++k)
         directions[k] = samples[k][AT_YAW] - crab - directions[k];
-    tracked_yaws(ahead, yaw, directions, (const double (*)[4])samples, count, yaws);
-    for (int k = 0; k < count; ++k) {
+    tracked_yaws(ahead, yaw, directions, (const double (*)[4])samples, STAGES + 1, yaws);
+    for (int k = 0; k <= STAGES; ++k) {
         double *sample = samples[k];
         const double turn = ahead != 0.0 ? (directions[k] - yaws[k]) / ahead : sample[AT_CURVATURE];
         const double slipped = sample[AT_YAW] - directions[k];

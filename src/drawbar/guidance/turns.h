@@ -7,6 +7,7 @@
 #ifndef DRAWBAR_TURNS_H
 #define DRAWBAR_TURNS_H
 
+#include "apart.h"
 #include "geometry.h"
 #include "lanes.h"
 #include "path.h"

@@ -20,21 +20,21 @@ class Floating:
         self._noise: list[Floats | None] = [None] * len(self._events)
 
     def sample(self, time: float) -> tuple[list[float], list[float]]:
-        """Return the errors (4,) of tractor x, y, trailer x, y, and the deviations (4,) that honest receivers tell.
+        """Return the errors (4,) of tractor x, y, trailer x, y, and the deviations (4,) that honest receivers report.
 
         Both in m, of the sample taken at the time (s). NaN: this coordinate is not in float; of a deviation also where
-        the receiver does not tell.
+        the receiver reports none.
         """
         if not self._events:
             return _NONE, _NONE
-        errors, told = np.full(4, np.nan), np.full(4, np.nan)
+        errors, deviations = np.full(4, np.nan), np.full(4, np.nan)
         for index, event in enumerate(self._events):
             if active(np.array([time]), event.start, event.duration)[0]:
                 columns = _COLUMNS[event.antenna]
                 errors[columns] = event.deviation * self._next(index, event.correlation)[columns]
                 if event.honest:
-                    told[columns] = event.deviation
-        return errors.tolist(), told.tolist()
+                    deviations[columns] = event.deviation
+        return errors.tolist(), deviations.tolist()
 
     def _next(self, index: int, correlation: float) -> Floats:
         """Return the next values (4,) of an event's noise, of variance one."""

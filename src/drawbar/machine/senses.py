@@ -86,7 +86,7 @@ class Senses:
         report = self._find(sample, errors, history)
         hitch_error, speed_error, wheels_error, joint_error = errors[4:]
         hitch, speed, steering = map(history.seen, (delays.hitch_angle, delays.speed, delays.steering))
-        told, resolution = delays.told, self._sensors.steering_resolution
+        reported, resolution = delays.told, self._sensors.steering_resolution
         for body, sensor in self._attitude.items():
             report |= self._balance(body, sensor, history)
         if self._yaw.present:
@@ -97,10 +97,10 @@ class Senses:
             speed=speed.speed + speed_error,
             tractor_steering=_rounded(steering.steering + wheels_error, resolution),
             trailer_steering=_rounded(steering.joint + joint_error, resolution),
-            hitch_angle_age=told * hitch.age,
-            speed_age=told * speed.age,
-            tractor_steering_age=told * steering.age,
-            trailer_steering_age=told * steering.age,
+            hitch_angle_age=reported * hitch.age,
+            speed_age=reported * speed.age,
+            tractor_steering_age=reported * steering.age,
+            trailer_steering_age=reported * steering.age,
             **report,
         )
 

@@ -81,8 +81,8 @@ class SimulatedMachine(SampledMachine):
         """Let the machine stand on its ground. The randomness of all this is apart from what was there before it."""
         settings, first = self._settings, np.array(self._state)
         self._attitude = Attitude(self._vehicle, settings.bodies, self._terrain, settings.step, first)
-        begun = np.concatenate((first, self._attitude.angles))
-        self._history = History(settings.step, begun, history_rng, self._moment)
+        initial = np.concatenate((first, self._attitude.angles))
+        self._history = History(settings.step, initial, history_rng, self._moment)
 
     def _move(self, commands: Floats) -> None:
         effects = self._effects[self._sample % BLOCK]

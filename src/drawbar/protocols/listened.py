@@ -6,7 +6,7 @@ from drawbar.protocols.actuator import Frame, Readiness, SteeringActuator, Steer
 
 
 class ListenedSteering(SteeringActuator[Frame]):
-    """Another actuator's ears: its angle is known, and it cannot be engaged."""
+    """An actuator of which only the measured angle is known; it cannot be engaged."""
 
     def __init__(self, actuator: SteeringActuator[Frame]) -> None:
         """Take the actuator, which is given all frames and asked for none."""

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drawbar.geometry import Floats
-from drawbar.recording.log import Columns, Outcome, RunHeader, is_json, open_log, read_log
+from drawbar.recording.encoding import is_json
+from drawbar.recording.log import Columns, Outcome, RunHeader, open_log, read_log
 from drawbar.recording.stream import LoggedMessage
 from drawbar.step.layout import StepLayout
 

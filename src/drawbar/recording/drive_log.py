@@ -21,7 +21,7 @@ from foxglove.messages import Log, LogLevel, Timestamp
 
 from drawbar.errors import StorageError
 from drawbar.messages import ControllerState, GateState, Message
-from drawbar.recording.chunks import LEVEL
+from drawbar.recording.chunk import LEVEL
 from drawbar.recording.drive_records import (
     CLOCK,
     ORDER,

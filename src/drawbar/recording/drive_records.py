@@ -13,8 +13,9 @@ from mcap.records import Metadata
 
 from drawbar.errors import DrawbarError
 from drawbar.messages import CommandMessage, ControllerState, Fixes, GateState, Message, OperatorMessage
+from drawbar.recording.encoding import decode_step, missing_to_nan
 from drawbar.recording.frames import Damage
-from drawbar.recording.log import STEP_TOPIC, decode_step, missing_to_nan, reading
+from drawbar.recording.log import STEP_TOPIC, reading
 from drawbar.recording.stream import Logged, LoggedMessage
 from drawbar.signals import StepRecord
 from drawbar.transports.tapped import Direction

@@ -17,7 +17,8 @@ from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Header, Metadata, Schema
 
-from drawbar.recording.chunks import BESIDE, ENDLESS, FRAME, MAGIC, VOID
+from drawbar.recording.chunk import BESIDE, ENDLESS, FRAME, VOID
+from drawbar.recording.chunked_writer import MAGIC
 
 CHUNK = struct.Struct("<QQQII")
 """first and last time, size uncompressed, its CRC, length of the compression's name; that and the size follow"""

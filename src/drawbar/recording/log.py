@@ -12,26 +12,25 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from datetime import datetime
-from functools import cache
 from pathlib import Path
-from typing import Any, Protocol, Self, get_args
+from typing import Protocol, Self
 
 import msgspec
 import numpy as np
 from mcap.exceptions import McapError
 from mcap.records import Attachment, Metadata
 from numpy.typing import NDArray
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 
 from drawbar.errors import DrawbarError, demand, demand_path
 from drawbar.geometry import Floats
 from drawbar.guidance.path import Path as DrivenPath
+from drawbar.recording.encoding import decode_special, decode_step
 from drawbar.recording.frames import Damage, DamagedLogError
 from drawbar.recording.losses import Losses
 from drawbar.recording.named_numbers import no_number, number_of
 from drawbar.recording.stream import Logged, LoggedMessage, read_records
 from drawbar.signals import StepRecord
-from drawbar.step.layout import StepLayout
 from drawbar.vehicle.parameters import VehicleParameters
 
 LOG_NAME = "log.mcap"
@@ -40,7 +39,6 @@ HEADER_NAME = "run.json"
 OUTCOME_NAME = "outcome"
 STEP_TOPIC = "/step"
 _DRAWN_POINTS = 3000
-_NUMPY = (np.ndarray, np.generic)
 _DAMAGE = (
     McapError,
     msgspec.MsgspecError,
@@ -214,56 +212,6 @@ class Columns(Protocol):
         """Return one number of every step, (n,)."""
 
 
-def encode_special(value: Any) -> Any:
-    """Turn what msgspec does not know into what it knows: arrays, numpy scalars, configuration sections."""
-    if isinstance(value, _NUMPY):
-        return value.tolist()
-    if isinstance(value, BaseModel):
-        return value.model_dump()
-    raise TypeError(f"a {type(value).__name__} cannot be written to a log; numbers, arrays and dataclasses can")
-
-
-def _decode_special(kind: Any, value: Any) -> Any:
-    if isinstance(kind, type) and issubclass(kind, BaseModel):
-        return kind.model_validate(value)
-    _, dtype = get_args(kind)  # of NDArray[...]: shape, dtype[...]
-    return np.array(value, dtype=get_args(dtype)[0])
-
-
-def missing_to_nan(value: Any) -> Any:
-    """Return decoded JSON in which null, a missing number, is NaN."""
-    if isinstance(value, dict):
-        return {key: missing_to_nan(item) for key, item in value.items()}
-    return np.nan if value is None else value
-
-
-def decode_step(message: LoggedMessage) -> StepRecord:
-    """Return the record of a step. Raises ValueError or DrawbarError: it is none of those that are known."""
-    return _step_reader(message.schema)(message.data)
-
-
-@cache
-def _step_reader(schema: str) -> Callable[[bytes], StepRecord]:
-    """Return what reads the steps of a channel with this schema."""
-    if is_json(schema):
-        return _step_of_json
-    layout = StepLayout.of_schema(schema)
-    make = layout.reader()
-    return lambda data: make(layout.body(data))
-
-
-def is_json(schema: str) -> bool:
-    """Return whether steps are JSON, by their schema: those of logs by older drawbars."""
-    return schema.startswith("{") or not schema
-
-
-def _step_of_json(data: bytes) -> StepRecord:
-    content = msgspec.json.decode(data)
-    # At the top level null is an absent section (truth), below it a missing number.
-    content = {key: None if value is None else missing_to_nan(value) for key, value in content.items()}
-    return msgspec.convert(content, StepRecord, dec_hook=_decode_special)
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LogParts:
     """A log, not yet decoded beyond its header."""
@@ -337,25 +285,25 @@ def _parts(records: Iterator[Logged]) -> LogParts:
                     yield record
             elif isinstance(record, Metadata) and record.name == OUTCOME_NAME:
                 losses.end()
-                told = _outcome(record.metadata)
-                outcome = told or outcome
-                losses.texts += [] if told else ["how the run ended is damaged"]
+                ended = _outcome(record.metadata)
+                outcome = ended or outcome
+                losses.texts += [] if ended else ["how the run ended is damaged"]
             elif isinstance(record, Damage):
                 losses.add(record)
         losses.end()
 
     try:
-        decoded = msgspec.json.decode(header, type=RunHeader, dec_hook=_decode_special)
+        decoded = msgspec.json.decode(header, type=RunHeader, dec_hook=decode_special)
     except (msgspec.MsgspecError, ValueError) as error:
         raise DamagedLogError("; ".join(damaged) or str(error)) from error
     return LogParts(header=decoded, steps=steps(), outcome=lambda: outcome, losses=lambda: tuple(losses.texts))
 
 
-def _outcome(told: Mapping[str, str]) -> Outcome | None:
+def _outcome(metadata: Mapping[str, str]) -> Outcome | None:
     """Return how a run ended; None: that is damaged."""
-    if told.get("finished") not in ("true", "false") or "reason" not in told:
+    if metadata.get("finished") not in ("true", "false") or "reason" not in metadata:
         return None
-    return Outcome(finished=told["finished"] == "true", reason=told["reason"])
+    return Outcome(finished=metadata["finished"] == "true", reason=metadata["reason"])
 
 
 def log_of(run: Path) -> Path:

@@ -13,8 +13,9 @@ from typing import Self
 import msgspec
 
 from drawbar.errors import StorageError, demand, demand_path
-from drawbar.recording.chunks import ChunkedWriter
-from drawbar.recording.log import HEADER_NAME, OUTCOME_NAME, STEP_TOPIC, Outcome, RunHeader, encode_special
+from drawbar.recording.chunked_writer import ChunkedWriter
+from drawbar.recording.encoding import encode_special
+from drawbar.recording.log import HEADER_NAME, OUTCOME_NAME, STEP_TOPIC, Outcome, RunHeader
 from drawbar.signals import StepRecord
 from drawbar.step.layout import HEAD, packed, step_schema
 

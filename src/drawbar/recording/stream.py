@@ -18,7 +18,7 @@ from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Metadata, Schema
 
-from drawbar.recording.chunks import COMPRESSION, FRAME
+from drawbar.recording.chunk import COMPRESSION, FRAME
 from drawbar.recording.frames import CHUNK, Damage, DamagedLogError, Frame, frames, summary
 
 _MESSAGE = struct.Struct("<HIQQ")

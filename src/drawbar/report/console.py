@@ -37,7 +37,7 @@ def summary(metrics: Metrics) -> RenderableType:
         doubt_text(metrics.mast_doubt_m.tractor, metrics.mast_doubt_m.trailer),
         yaw_text(metrics.yaw_difference_rad),
     )
-    told: list[RenderableType] = [
+    shown: list[RenderableType] = [
         "",
         Text.assemble(f"{origin(metrics, ', ')}: ", ending),
         f"{distance} in {duration}, {pace}",
@@ -47,7 +47,7 @@ def summary(metrics: Metrics) -> RenderableType:
         *(Text(f"log: {loss}", "bold yellow") for loss in metrics.losses),
     ]
     if not metrics.duration_s:  # no figure is known
-        return Group(*told)
+        return Group(*shown)
     tables: list[tuple[str, Iterable[tuple[str, str]], list[Row]]] = [
         (f"{error_name(metrics)}, cm", error_columns, error_rows(metrics)),
         ("", colours.items(), body_rows(metrics)),
@@ -55,5 +55,5 @@ def summary(metrics: Metrics) -> RenderableType:
     ]
     for title, columns, rows in tables:
         if rows:
-            told += ["", _table(title, columns, rows)]
-    return Group(*told)
+            shown += ["", _table(title, columns, rows)]
+    return Group(*shown)

@@ -9,7 +9,8 @@ import msgspec
 from plotly.offline import get_plotlyjs  # type: ignore[import-untyped]
 
 from drawbar.recording.drive_events import DriveEvent
-from drawbar.recording.log import Columns, encode_special
+from drawbar.recording.encoding import encode_special
+from drawbar.recording.log import Columns
 from drawbar.report import style
 from drawbar.report.columns import along, track
 from drawbar.report.decimation import thinned

@@ -19,6 +19,10 @@ T = TypeVar("T")
 
 _BEHIND, _AHEAD = 1.0, 3.0
 """m around the last closest point that are searched: the path crosses itself, a global search would jump"""
+_NEAR = 2.0
+"""m from the place that the controller tells, within which the search finds the track"""
+_PLACES = 0.25
+"""between two places of the path that are looked at for the nearest one, m"""
 _ROUNDS = 5
 """of Newton's, after which a foot on the path is found"""
 _FOUND = 1e-3
@@ -56,8 +60,47 @@ class PathErrors:
 def project_track(path: Path, x: Floats, y: Floats, start: float) -> PathErrors:
     """Project a track (n,) of positions (m) on the path, beginning near the arc length `start` (m)."""
     progress, error = path.project_track(x, y, start, behind=_BEHIND, ahead=_AHEAD)
+    return _path_errors(path, progress, error, start)
+
+
+def _path_errors(path: Path, progress: Floats, error: Floats, start: float) -> PathErrors:
     classes = path.classes(np.nan_to_num(progress, nan=start))
     return PathErrors(progress=progress, error=error, classes=classes, label_names=path.label_names)
+
+
+def _project_stretches(path: Path, track: Floats, near: Floats, left_out: NDArray[np.bool_]) -> PathErrors:
+    """Project a track on the path, each stretch of it anew: what is left out between them may be as long as it likes.
+
+    Args:
+        path: to project on.
+        track: (n, 2), m.
+        near: (n,): arc lengths near which it was, as far as they are known, m.
+        left_out: (n,): steps at which nothing is projected.
+    """
+    progress, error = np.full((2, len(track)), np.nan)
+    for stretch in np.split(np.arange(len(track)), np.flatnonzero(np.diff(left_out)) + 1):
+        if len(stretch) and not left_out[stretch[0]]:
+            x, y = track[stretch].T
+            found = project_track(path, x, y, _start(path, track[stretch], near[stretch]))
+            progress[stretch], error[stretch] = found.progress, found.error
+    return _path_errors(path, progress, error, _first_known(near))
+
+
+def _start(path: Path, track: Floats, near: Floats) -> float:
+    """Return the arc length near which a track (n, 2) begins, m: the controller's, where that is of this path.
+
+    That of a pass beside it, or of the path driven the other way, is another path's: then the nearest place is taken.
+    """
+    start, known = _first_known(near), np.flatnonzero(np.isfinite(track).all(axis=1) & np.isfinite(near))
+    if not known.size:
+        return start
+    place = track[known[0]]
+    if np.linalg.norm(path.sample(np.array(start))[:2] - place) <= _NEAR:
+        return start
+    arc_lengths = np.arange(0.0, path.length, _PLACES)
+    distances = np.linalg.norm(path.sample(arc_lengths)[:, :2] - place, axis=1)
+    nearest = arc_lengths[distances <= distances.min() + _PLACES]
+    return float(nearest[np.abs(nearest - start).argmin()])
 
 
 def true_path_errors(log: Columns) -> Bodies[PathErrors]:
@@ -74,9 +117,8 @@ def _errors(log: Columns, source: str, left_out: NDArray[np.bool_]) -> Bodies[Pa
     path = log.header.path.path()
 
     def of_body(body: str) -> PathErrors:
-        x, y = track_of(log, body, source).T
-        x[left_out] = np.nan
-        errors = project_track(path, x, y, _first_known(log.column(f"reference.{body}.progress")))
+        near = log.column(f"reference.{body}.progress")
+        errors = _project_stretches(path, track_of(log, body, source), near, left_out)
         return replace(errors, error=errors.error - _offsets(path, errors.progress, *line_points(log, body).T))
 
     return Bodies(tractor=of_body("tractor"), trailer=of_body("trailer"))

@@ -10,9 +10,9 @@ from drawbar.recording.log import Columns
 
 
 def yaw_difference(log: Columns) -> float:
-    """Return by how much the told yaw is left of the estimated one, rad, median; NaN where none is told."""
-    told, estimated = log.column("measurement.tractor_yaw"), log.column("estimate.tractor.yaw")
-    turned = np.exp(1j * (told - estimated))
+    """Return by how much the measured yaw is left of the estimated one, rad, median; NaN where none is measured."""
+    measured, estimated = log.column("measurement.tractor_yaw"), log.column("estimate.tractor.yaw")
+    turned = np.exp(1j * (measured - estimated))
     turned = turned[np.isfinite(turned)]
     if not turned.size:
         return math.nan

@@ -82,7 +82,7 @@ class Cause(Enum):
     HEADING_UNSURE = (207, True, Response.DEGRADE, "the heading is not certain enough",
         "drive two or three metres straight ahead")
     OFF_LINE = (208, True, Response.NONE, "a body is too far from the line, or its distance is not known",
-        "drive closer to the line")
+        "drive slowly along the line, close to it")
     LINE_LOST = (209, True, Response.STOP, "a body has left the line",
         "drive back to the line")
     ACROSS_LINE = (210, True, Response.NONE, "a body does not point along the line, or its direction is not known",
@@ -110,6 +110,8 @@ class Cause(Enum):
         "check both sensors, their linkages and cables, then calibrate them again")
     YAW_REJECTED = (221, False, Response.NOTIFY, "the tractor's yaw or yaw rate contradicts the motion",
         "check how its antennas or its inertial sensor are mounted and wired")
+    ANTENNA_DISTANCE = (222, True, Response.NOTIFY, "both antennas are not as far apart as lengths and angles say",
+        "give both receivers the same corrections; else check lengths, places of the antennas and the hitch sensor")
 
     TOO_SLOW = (301, True, Response.NONE, "the vehicle stands or is too slow",
         "begin to drive, then engage")
@@ -140,6 +142,8 @@ class Cause(Enum):
         "see the machine's own display; engage again")
     STEERING_JUMPED = (409, False, Response.RELEASE, "a measured steering angle has jumped",
         "check the sensor's linkage and cable, then calibrate it again")
+    STEERING_MIRRORED = (410, True, Response.RELEASE, "the tractor turns the other way than its wheels are measured",
+        "sensor and motor are both the wrong way round: change both signs, then run drawbar check --wiggle")
     SILENT = (411, True, Response.RELEASE, "an actuator reports nothing",
         "check its power, its cable and its address")
     TOO_NEW = (412, True, Response.RELEASE, "an actuator has reported for less than a second",
@@ -194,11 +198,11 @@ class Cause(Enum):
         "acknowledge when standing")
     NOT_GUARDED = (610, True, Response.NOTIFY, "the guard, which releases the boards where the gate cannot, is silent",
         "steering continues; stop when it suits, end other programs, start drawbar again")
-    LEASE_HELD = (621, False, Response.NONE, "another operator holds the lease",
-        "let that one release it, or fall silent")
-    NOT_ARMED = (622, False, Response.NONE, "the gate is not armed, or no longer",
-        "arm, then engage within a few seconds")
-    STATE_NOT_READY = (623, False, Response.NONE, "the gate is not ready",
+    LEASE_HELD = (621, False, Response.NONE, "another operator has control",
+        "wait until that one gives it up, or falls silent")
+    NOT_ARMED = (622, False, Response.NONE, "engaging is not prepared, or no longer",
+        "prepare, then engage within a few seconds")
+    STATE_NOT_READY = (623, False, Response.NONE, "it is not ready to engage",
         "see what stands against it; acknowledge a state that waits for it")
     SEEN_OLD = (624, False, Response.NONE, "what the operator saw is too old",
         "look again, then repeat")

@@ -88,6 +88,10 @@ class Observation:
     """the antennas move backwards, by what the controller says"""
     rejected: bool = False
     """the position of one antenna is not believed, by what the controller says"""
+    far_apart: bool = False
+    """both antennas are not as far apart as the vehicle is long, by what the controller says"""
+    mirrored: bool = False
+    """the tractor turns the other way than its front wheels are measured, by what the controller says"""
     not_following: bool = False
     """a steering contradicts its commands, by what the controller says, which has ended its run for it while driving"""
     recording: bool = False
@@ -127,6 +131,7 @@ _PRESENT: dict[Cause, Present] = {
     Cause.HITCH_FOLDED: lambda o, s: not (abs(o.hitch_angle) <= s.drive.hitch_angle),
     Cause.RECEIVERS_SWAPPED: lambda o, s: o.backwards,
     Cause.POSITION_REJECTED: lambda o, s: o.rejected,
+    Cause.ANTENNA_DISTANCE: lambda o, s: o.far_apart,
     Cause.SENSORS_LOST: lambda o, s: not (o.speed_received or o.fix_age <= s.timing.fix + s.timing.speed),
     Cause.TOO_SLOW: lambda o, s: not (o.drives or o.speed >= s.engage.speed),
     Cause.TOO_FAST: lambda o, s: o.speed > s.envelope.speed,
@@ -138,6 +143,7 @@ _PRESENT: dict[Cause, Present] = {
     Cause.STEERING_STUCK: lambda o, s: o.stuck or o.not_following,
     Cause.STEERING_REVERSED: lambda o, s: o.reversed,
     Cause.STEERING_JUMPED: lambda o, s: o.jumped,
+    Cause.STEERING_MIRRORED: lambda o, s: o.mirrored,
     Cause.ACTUATOR_RELEASED: lambda o, s: o.released,
     Cause.GATE_LATE: lambda o, s: o.late_ago < s.engage.clean,
     Cause.SUSPENDED: lambda o, s: o.suspended,

@@ -53,11 +53,16 @@ class Actuation:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Asked:
-    """What is asked of the actuators at a tick."""
+class Tick:
+    """What the gate found and asked for at a tick."""
 
+    now: float
+    """s"""
+    causes: Sequence[Cause]
+    """against steering"""
+    actuation: Actuation
     angles: tuple[float, float]
-    """of tractor and trailer, rad; they mean something while the gate steers"""
+    """asked of tractor and trailer, rad; they mean something while the gate steers"""
     speed_limit: float
     """fastest that the vehicle may drive, m/s"""
 
@@ -73,22 +78,12 @@ class Counts:
     dropped: int = 0
 
 
-def gate_state(
-    now: float,
-    engagement: Engagement,
-    desk: Desk,
-    actuation: Actuation,
-    asked: Asked,
-    causes: Sequence[Cause],
-    counts: Counts,
-    *,
-    valid: float,
-) -> GateState:
-    """Return the record of a tick at `now`, s, which means something for `valid` s."""
-    time = nanoseconds(now)
+def gate_state(tick: Tick, engagement: Engagement, desk: Desk, counts: Counts, *, valid: float) -> GateState:
+    """Return the record of a tick, which means something for `valid` s."""
+    now, actuation, time = tick.now, tick.actuation, nanoseconds(tick.now)
     tractor, trailer = (
         _steering(report, angle if engagement.steers else math.nan)
-        for report, angle in zip((actuation.tractor, actuation.trailer), asked.angles, strict=True)
+        for report, angle in zip((actuation.tractor, actuation.trailer), tick.angles, strict=True)
     )
     return GateState(
         sequence=counts.states % COUNTS,
@@ -104,7 +99,7 @@ def gate_state(
         answered=desk.answered,
         lease=desk.lease,
         since=nanoseconds(engagement.since),
-        refusals=_refusals(engagement, causes),
+        refusals=_refusals(engagement, tick.causes),
         remaining=engagement.remaining(now),
         tractor_angle=tractor.angle,
         tractor_angle_time=tractor.time,
@@ -112,7 +107,7 @@ def gate_state(
         trailer_angle_time=trailer.time,
         tractor_set_point=tractor.set_point,
         trailer_set_point=trailer.set_point,
-        speed_limit=asked.speed_limit,
+        speed_limit=tick.speed_limit,
         set_speed=desk.set_speed,
         nudge=desk.nudge,
         clips=counts.clips % COUNTS,

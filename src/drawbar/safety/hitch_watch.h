@@ -83,7 +83,7 @@ static inline double hitch_stuck(struct hitch_watch *watch, double reported, dou
 
     frozen_update(&watch->frozen, reported, estimated, speed);
     const double repetition = frozen_repetition(frozen);
-    if (repetition >= 1.0 && frozen_excess(frozen, HITCH_SHIFTED) > HITCH_SHIFTED / fmin(repetition, HITCH_REPETITION_GAIN))
+    if (repetition >= 1.0 && frozen_excess(frozen, HITCH_SHIFTED, 0.0) > HITCH_SHIFTED / fmin(repetition, HITCH_REPETITION_GAIN))
         return (double)INFINITY;
     return frozen->most - frozen->least > least && difference > 0.5 * least ? watch->stuck_time + elapsed : 0.0;
 }

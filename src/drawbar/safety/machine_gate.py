@@ -20,7 +20,7 @@ from drawbar.safety.desk import Desk
 from drawbar.safety.engagement import DEGRADED, STOPPING, Engagement, Situation
 from drawbar.safety.envelope import Bounds, Envelope
 from drawbar.safety.following import Following
-from drawbar.safety.gate_report import Actuation, Asked, Counts, gate_state
+from drawbar.safety.gate_report import Actuation, Counts, Tick, gate_state
 from drawbar.safety.selftest import limits_hold
 from drawbar.safety.settings import SafetySettings
 from drawbar.safety.watch import Watch
@@ -204,16 +204,14 @@ class Gate:
 
     def _publish(self, now: float, actuation: Actuation, causes: tuple[Cause, ...]) -> None:
         counts = replace(self._counts, dropped=self._counts.dropped + self.wires.dropped)
-        state = gate_state(
-            now,
-            self.engagement,
-            self._desk,
-            actuation,
-            Asked(angles=self._envelope.angles, speed_limit=self.speed_limit),
-            causes,
-            counts,
-            valid=self._settings.engage.seen,
+        tick = Tick(
+            now=now,
+            causes=causes,
+            actuation=actuation,
+            angles=self._envelope.angles,
+            speed_limit=self.speed_limit,
         )
+        state = gate_state(tick, self.engagement, self._desk, counts, valid=self._settings.engage.seen)
         record = encode(state)
         self._desk.show(state.sequence, state.time)
         self.controller.send(record)

@@ -135,6 +135,8 @@ class Watch:
             "hitch_angle": state.hitch_angle,
             "backwards": state.status == Status.BACKWARDS,
             "rejected": Cause.POSITION_REJECTED.value in state.notices,
+            "far_apart": Cause.ANTENNA_DISTANCE.value in state.notices,
+            "mirrored": Cause.STEERING_MIRRORED.value in state.notices,
             # while it stops, the gate may have limited what the controller commanded
             "not_following": state.status == Status.STEERING and supervisor is not SupervisorState.STOPPING,
             "wiggled": state.wiggled == 1,

@@ -75,6 +75,7 @@ int drawbar_guidance_change(struct component *component, const struct path *path
 int drawbar_guidance_reference(struct component *component, const struct path *path,
                                const struct drawbar_estimate *estimate, struct drawbar_body_reference *tractor,
                                struct drawbar_body_reference *trailer, void *work);
+void drawbar_guidance_rejoin(struct component *component);
 int drawbar_guidance_finished(struct component *component, const struct path *path);
 
 int drawbar_controller_initialise(struct component *component);
@@ -165,6 +166,7 @@ struct autopilot {
     double sane;                           /* part of the set speed that may be driven, see safety/sanity.h */
     double unsolved;                       /* since estimator and controllers have all had a solution, s */
     double overdue;                        /* by which samples came late, less half of what has passed since, s */
+    double counted;                        /* time that samples were taken for, beyond what has passed, s */
     struct step_settings settings;
     struct path path;                      /* count 0: none */
     struct line_offset offset;             /* of the line that is driven beside the path */

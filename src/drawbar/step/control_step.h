@@ -9,6 +9,7 @@
 #include "components.h"
 #include "pace.h"
 #include "status.h"
+#include "structure.h"
 
 /* The run is over: stop the vehicle, now and at every later sample. */
 static int end_run(struct autopilot *a, int32_t status, struct drawbar_command *command)
@@ -23,34 +24,6 @@ static int repeat_command(struct autopilot *a, int32_t status, struct drawbar_co
 {
     a->diagnostics.gate = drawbar_gate_hold(COMPONENT(a->gate), a->time, command);
     return a->started && a->diagnostics.gate == DRAWBAR_GATE_STOPPED ? end_run(a, DRAWBAR_STOPPED, command) : status;
-}
-
-static void initialise_controllers(struct autopilot *a)
-{
-#ifdef DRAWBAR_CENTRALISED
-    drawbar_controller_initialise(COMPONENT(a->controller));
-#else
-    drawbar_tractor_initialise(COMPONENT(a->tractor));
-    drawbar_trailer_initialise(COMPONENT(a->trailer));
-#endif
-}
-
-static void initialise_components(struct autopilot *a)
-{
-    drawbar_alignment_initialise(COMPONENT(a->alignment));
-    drawbar_estimator_initialise(COMPONENT(a->estimator));
-    drawbar_guidance_initialise(COMPONENT(a->guidance));
-    drawbar_tractor_law_initialise(COMPONENT(a->tractor_law));
-    drawbar_trailer_law_initialise(COMPONENT(a->trailer_law));
-    drawbar_run_monitor_initialise(COMPONENT(a->run_monitor));
-    drawbar_sanity_initialise(COMPONENT(a->sanity));
-#ifdef DRAWBAR_IDENTIFIED
-    drawbar_actuation_initialise(COMPONENT(a->actuation));
-#endif
-#ifdef DRAWBAR_DEAD_TIME
-    drawbar_predictor_initialise(COMPONENT(a->predictor));
-#endif
-    initialise_controllers(a);
 }
 
 /* Initialise everything from the first measurement. Until it is complete the vehicle stands. */
@@ -76,39 +49,12 @@ static int begin_run(struct autopilot *a, const struct drawbar_measurement *repo
     return DRAWBAR_OK;
 }
 
-/* Identify the actuators from their measured angles, and pass the result to all components that model them; returns 0 or
- * the status with which the run ends. */
-static int identify(struct autopilot *a, const struct drawbar_measurement *measurement)
-{
-#ifdef DRAWBAR_IDENTIFIED
-    struct drawbar_actuation *const known = &a->known;
-    const int ended = drawbar_actuation_measured(COMPONENT(a->actuation), measurement);
-    drawbar_actuation_report(COMPONENT(a->actuation), known);
-    drawbar_estimator_actuation(COMPONENT(a->estimator), known);
-    drawbar_predictor_actuation(COMPONENT(a->predictor), known);
-#ifdef DRAWBAR_CENTRALISED
-    drawbar_controller_actuation(COMPONENT(a->controller), known);
-#else
-    drawbar_tractor_actuation(COMPONENT(a->tractor), known);
-    drawbar_trailer_actuation(COMPONENT(a->trailer), known);
-#endif
-    return ended;
-#else
-    (void)a, (void)measurement;
-    return 0;
-#endif
-}
-
 /* Predict the estimate to when the next command begins to act, with the speed that plans start from. */
 static void predict_ahead(struct autopilot *a, struct drawbar_estimate *ahead)
 {
     const double least = pace_planned(a);
 
-#ifdef DRAWBAR_DEAD_TIME
-    drawbar_predictor_ahead(COMPONENT(a->predictor), &a->made.estimate, ahead);
-#else
-    *ahead = a->made.estimate;
-#endif
+    predict_over_dead_time(a, ahead);
     if (ahead->speed < least)
         ahead->speed = least;
 }
@@ -122,41 +68,6 @@ static void shift_line(struct autopilot *a)
         offset_begin(&a->offset);
     else
         offset_advance(&a->offset, a->settings.shift_curvature, a->settings.shift_rate, tractor, fmin(tractor, trailer));
-}
-
-/* Note a sent command; `acting` becomes the one that acts during most of the sample that now begins. */
-static void note_sent(struct autopilot *a, const struct drawbar_command *command)
-{
-    struct drawbar_command sent = *command;
-
-#ifdef DRAWBAR_IDENTIFIED
-    drawbar_actuation_sent(COMPONENT(a->actuation), &sent);
-#endif
-#ifdef DRAWBAR_DEAD_TIME
-    drawbar_predictor_sent(COMPONENT(a->predictor), &sent, &a->acting);
-#else
-    a->acting = sent;
-#endif
-}
-
-/* Both bodies' nominal plans. */
-static void plan(struct autopilot *a, const struct drawbar_estimate *ahead, struct lent *lent)
-{
-    const struct drawbar_body_reference *references = a->made.references;
-    struct drawbar_body_plan *plans = a->made.plans;
-
-#ifdef DRAWBAR_CENTRALISED
-    TIMED(a, TIMED_TRACTOR, FEEDBACK, drawbar_controller_feedback(
-        COMPONENT(a->controller), ahead, &references[TRACTOR_BODY], &references[TRAILER_BODY], &plans[TRACTOR_BODY],
-        &plans[TRAILER_BODY], lent));
-#else
-    const struct drawbar_neighbour tractor = {&references[TRACTOR_BODY], &plans[TRACTOR_BODY]};
-
-    TIMED(a, TIMED_TRACTOR, FEEDBACK, drawbar_tractor_feedback(
-        COMPONENT(a->tractor), ahead, &references[TRACTOR_BODY], NULL, &plans[TRACTOR_BODY], lent));
-    TIMED(a, TIMED_TRAILER, FEEDBACK, drawbar_trailer_feedback(
-        COMPONENT(a->trailer), ahead, &references[TRAILER_BODY], &tractor, &plans[TRAILER_BODY], lent));
-#endif
 }
 
 /* Fill in one body's diagnostics. */
@@ -190,12 +101,7 @@ static void apply_laws(struct autopilot *a, const struct drawbar_estimate *ahead
 
     drawbar_tractor_law_apply(COMPONENT(a->tractor_law), &made->plans[TRACTOR_BODY], &steerings[TRACTOR_BODY]);
     drawbar_trailer_law_apply(COMPONENT(a->trailer_law), &made->plans[TRAILER_BODY], &steerings[TRAILER_BODY]);
-#ifdef DRAWBAR_IDENTIFIED
-    drawbar_actuation_adapt(COMPONENT(a->actuation), ahead, &steerings[TRACTOR_BODY].command,
-                            &steerings[TRAILER_BODY].command);
-#else
-    (void)ahead;
-#endif
+    adapt_commands(a, ahead);
     diagnose(&d->tractor, made, TRACTOR_BODY, made->estimate.tractor_fix);
     diagnose(&d->trailer, made, TRAILER_BODY, made->estimate.trailer_fix);
 }
@@ -245,10 +151,51 @@ static int follow_driver(struct autopilot *a, struct drawbar_command *command)
     driven.speed = pace_follow(a, now->speed);
     note_sent(a, &driven);
     initialise_controllers(a);
+    drawbar_guidance_rejoin(COMPONENT(a->guidance));
     a->due = 1;
     a->diagnostics.speed = command->speed;
     a->diagnostics.flags |= DRAWBAR_RELEASED;
     return a->diagnostics.flags;
+}
+
+/* Update the estimate by a measurement, which is aligned for that. Returns the status that ends the run, or 0. */
+static int update_estimate(struct autopilot *a, const struct drawbar_measurement *measurement, struct lent *lent,
+                           struct drawbar_measurement *aligned)
+{
+    struct drawbar_estimate *now = &a->made.estimate, expected;
+
+    int ended = identify(a, measurement);
+    if (ended)
+        return ended;
+    drawbar_estimator_expected(COMPONENT(a->estimator), &expected);
+    ended = drawbar_alignment_apply(COMPONENT(a->alignment), measurement, now, &expected, aligned);
+    if (ended)
+        return ended;
+    drawbar_alignment_report(COMPONENT(a->alignment), &a->known);
+    correct_body_lag(a, aligned);
+    TIMED(a, TIMED_ESTIMATOR, FEEDBACK, drawbar_estimator_update(COMPONENT(a->estimator), aligned, now, lent));
+    a->diagnostics.estimator = now->status;
+    return 0;
+}
+
+/* Look for what ends the run: off the path, blind, or contradicted by a sensor. Returns that status, or 0. */
+static int watch_run(struct autopilot *a, const struct drawbar_measurement *measurement,
+                     const struct drawbar_measurement *aligned)
+{
+    const struct drawbar_estimate *now = &a->made.estimate;
+    const struct drawbar_body_reference *tractor = &a->made.references[TRACTOR_BODY];
+    double departure;
+
+    switch (drawbar_run_monitor_watch(COMPONENT(a->run_monitor), now, tractor)) {
+    case OFF_COURSE:
+        return DRAWBAR_OFF_COURSE;
+    case BLIND:
+        return DRAWBAR_BLIND;
+    default:
+        drawbar_alignment_departure(COMPONENT(a->alignment), &departure);
+        return drawbar_sanity_look(COMPONENT(a->sanity), measurement, aligned, now, tractor,
+                                   &a->made.references[TRAILER_BODY], departure, &a->sane);
+    }
 }
 
 /* Estimate, plan and command, after so many samples that were left out. */
@@ -259,23 +206,11 @@ static int drive(struct autopilot *a, int left_out, const struct drawbar_measure
     struct decisions *made = &a->made;
     struct drawbar_diagnostics *d = &a->diagnostics;
     struct drawbar_measurement aligned;
-    struct drawbar_estimate expected, ahead;
-    double departure;
+    struct drawbar_estimate ahead;
 
-    int ended = identify(a, measurement);
+    int ended = update_estimate(a, measurement, &lent, &aligned);
     if (ended)
         return end_run(a, ended, command);
-    drawbar_estimator_expected(COMPONENT(a->estimator), &expected);
-    ended = drawbar_alignment_apply(COMPONENT(a->alignment), measurement, &made->estimate, &expected, &aligned);
-    if (ended)
-        return end_run(a, ended, command);
-    drawbar_alignment_report(COMPONENT(a->alignment), &a->known);
-#ifdef DRAWBAR_DEAD_TIME
-    drawbar_predictor_measured(COMPONENT(a->predictor), &made->estimate, &aligned, &a->known);
-#endif
-    TIMED(a, TIMED_ESTIMATOR, FEEDBACK,
-          drawbar_estimator_update(COMPONENT(a->estimator), &aligned, &made->estimate, &lent));
-    d->estimator = made->estimate.status;
     a->reached = WITH_ESTIMATE;
     predict_ahead(a, &ahead);
     d->guidance = drawbar_guidance_reference(COMPONENT(a->guidance), &a->path, &ahead, &made->references[TRACTOR_BODY],
@@ -283,17 +218,7 @@ static int drive(struct autopilot *a, int left_out, const struct drawbar_measure
     if (d->guidance != DRAWBAR_GUIDANCE_FINE)
         return end_run(a, DRAWBAR_GUIDANCE, command);
     a->reached = WITH_REFERENCES;
-    switch (drawbar_run_monitor_watch(COMPONENT(a->run_monitor), &made->estimate, &made->references[TRACTOR_BODY])) {
-    case OFF_COURSE:
-        return end_run(a, DRAWBAR_OFF_COURSE, command);
-    case BLIND:
-        return end_run(a, DRAWBAR_BLIND, command);
-    default:
-        break;
-    }
-    drawbar_alignment_departure(COMPONENT(a->alignment), &departure);
-    ended = drawbar_sanity_look(COMPONENT(a->sanity), measurement, &aligned, &made->estimate,
-                                &made->references[TRACTOR_BODY], &made->references[TRAILER_BODY], departure, &a->sane);
+    ended = watch_run(a, measurement, &aligned);
     if (ended)
         return end_run(a, ended, command);
     plan(a, &ahead, &lent);
@@ -318,12 +243,7 @@ static void catch_up(struct autopilot *a, int samples)
         note_sent(a, &last);
         drawbar_estimator_skip(COMPONENT(a->estimator), &a->acting);
     }
-#ifdef DRAWBAR_CENTRALISED
-    drawbar_controller_skip(COMPONENT(a->controller), samples);
-#else
-    drawbar_tractor_skip(COMPONENT(a->tractor), samples);
-    drawbar_trailer_skip(COMPONENT(a->trailer), samples);
-#endif
+    skip_controllers(a, samples);
 }
 
 /* The feedback phase. */
@@ -355,6 +275,8 @@ static int feed_back(struct autopilot *a, const struct drawbar_measurement *meas
         }
     } else {
         left_out = pace_left_out(a, elapsed);
+        if (pace_is_of_another_rate(a))
+            return end_run(a, DRAWBAR_RATE, command);
         catch_up(a, left_out);
     }
     if (drawbar_guidance_finished(COMPONENT(a->guidance), &a->path))
@@ -365,16 +287,9 @@ static int feed_back(struct autopilot *a, const struct drawbar_measurement *meas
 /* The preparation phase, after the command has been sent. */
 static void prepare(struct autopilot *a)
 {
-#ifdef DRAWBAR_IDENTIFIED
-    drawbar_actuation_ready(COMPONENT(a->actuation));
-#endif
+    prepare_actuation(a);
     TIMED(a, TIMED_ESTIMATOR, PREPARATION, drawbar_estimator_ready(COMPONENT(a->estimator), &a->acting));
-#ifdef DRAWBAR_CENTRALISED
-    TIMED(a, TIMED_TRACTOR, PREPARATION, drawbar_controller_ready(COMPONENT(a->controller)));
-#else
-    TIMED(a, TIMED_TRACTOR, PREPARATION, drawbar_tractor_ready(COMPONENT(a->tractor)));
-    TIMED(a, TIMED_TRAILER, PREPARATION, drawbar_trailer_ready(COMPONENT(a->trailer)));
-#endif
+    prepare_controllers(a);
 }
 
 #endif

@@ -72,7 +72,7 @@ static void record_place(const struct autopilot *a, int i, struct recorded_place
     place->progress = made->progress;
     place->lateral_error = made->lateral_error;
     memcpy(place->closest, made->closest, sizeof place->closest);
-    path_sample(&a->path, made->progress, beside);
+    drawbar_path_sample(&a->path, made->progress, beside);
     memcpy(place->line, beside, sizeof place->line);
 }
 

@@ -14,6 +14,7 @@ import numpy as np
 from drawbar import __version__
 from drawbar.codegen import Component, Unit, build
 from drawbar.codegen.library import aligned, load
+from drawbar.guidance.path import PATH_UNIT
 
 STEP_DOUBLES = 256
 """What the step itself remembers fits into so many doubles; the compiler checks it."""
@@ -112,6 +113,7 @@ def library_files(units: Sequence[Unit], horizon: int) -> dict[str, str]:
     ]
     return {
         **{f"{unit.name}.c": unit.hosted_text() for unit in units},
+        "path.c": PATH_UNIT,
         "step.c": _STEP,
         "drawbar_components.h": "\n".join(lines),
         "drawbar_size.h": f"#define DRAWBAR_STATE_DOUBLES {STEP_DOUBLES}\n",

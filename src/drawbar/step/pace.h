@@ -5,6 +5,10 @@
  * (a sample counts for as long as it lasted, and for one sample time at least), and `overdue`, by which samples came
  * late, less half of the time that has passed in order since. For a sixth of the endurance the speed stays; then it falls
  * in proportion, to zero at the endurance, and with it the run ends.
+ *
+ * Every model takes a sample for one sample time. `counted` is the time that samples were taken for, beyond what has
+ * passed by their time stamps. Jitter does not add up in it, since a late sample is taken for that much less;
+ * another sample rate does. Clocks may differ by a share.
  */
 #ifndef DRAWBAR_PACE_H
 #define DRAWBAR_PACE_H
@@ -13,12 +17,14 @@
 #include "geometry.h"
 
 #define PACE_KEPT (1.0 / 6.0)              /* share of the endurance for which the speed stays */
+#define PACE_CLOCKS 0.05                   /* share of the time that has passed by which clocks may differ */
+#define PACE_COUNTED 5.0                   /* sample times by which counted and passed time may differ beyond that */
 
 static inline void pace_begin(struct autopilot *a)
 {
     a->speed = a->wanted_speed;
     a->sane = 1.0;
-    a->unsolved = a->overdue = 0.0;
+    a->unsolved = a->overdue = a->counted = 0.0;
 }
 
 /* The least speed that plans assume, m/s: a plan takes the speed for constant, and one made for a machine that has
@@ -40,16 +46,22 @@ static inline double pace_follow(struct autopilot *a, double speed)
 /* Note for how long (s) the last sample lasted; return how many samples were left out. */
 static inline int pace_left_out(struct autopilot *a, double elapsed)
 {
-    const double sample = a->settings.sample_time;
+    const double sample = a->settings.sample_time, allowed = PACE_CLOCKS * elapsed;
+    const int late = elapsed > 1.5 * sample;
+    const int lasted = late ? (int)fmax((elapsed - fmax(a->counted, 0.0)) / sample + 0.5, 1.0) : 1;
 
     a->unsolved += fmax(elapsed - sample, 0.0);
-    if (!(elapsed > 1.5 * sample)) {
-        a->overdue = fmax(a->overdue - 0.5 * sample, 0.0);
-        return 0;
-    }
-    a->diagnostics.flags |= DRAWBAR_LATE;
-    a->overdue += elapsed - sample;
-    return (int)(elapsed / sample + 0.5) - 1;
+    a->overdue = late ? a->overdue + elapsed - sample : fmax(a->overdue - 0.5 * sample, 0.0);
+    a->counted += lasted * sample - elapsed;
+    a->counted -= clamped(a->counted, -allowed, allowed);
+    a->diagnostics.flags |= late ? DRAWBAR_LATE : 0;
+    return lasted - 1;
+}
+
+/* Whether samples come at another rate than the models take them for. */
+static inline int pace_is_of_another_rate(const struct autopilot *a)
+{
+    return fabs(a->counted) > PACE_COUNTED * a->settings.sample_time;
 }
 
 /* Set the speed to command. Returns 0, or enum drawbar_status where the run cannot continue. */

@@ -38,6 +38,8 @@ const char *drawbar_status_text(int status)
         return "stopped: estimator or controllers have had no solution for too long";
     case DRAWBAR_OVERDUE:
         return "stopped: samples came late for too long";
+    case DRAWBAR_RATE:
+        return "stopped: samples come more often, or less often, than every sample_time";
     case DRAWBAR_COARSE:
         return "stopped: positions have been coarse for too long";
     case DRAWBAR_OSCILLATION:

@@ -3,8 +3,9 @@
 #ifndef DRAWBAR_STEP_H
 #define DRAWBAR_STEP_H
 
+#include <string.h>
 #include "control_step.h"
-#include "path_check.h"
+#include "path.h"
 #include "status_text.h"
 #ifdef DRAWBAR_HOSTED
 #include "hosted_step.h"
@@ -99,7 +100,7 @@ int drawbar_set_path(struct drawbar_state *state, const struct drawbar_path_node
 
     if (refused)
         return refused;
-    if (path_check(&path) >= 0)
+    if (drawbar_path_check(&path) >= 0)
         return DRAWBAR_PATH;
     a->path = path;
     follow_path(a);
@@ -134,7 +135,7 @@ int drawbar_change_path(struct drawbar_state *state, const struct drawbar_path_n
         return refused;
     if (!a->started || a->ended)
         return DRAWBAR_NO_RUN;
-    if (path_check(&path) >= 0)
+    if (drawbar_path_check(&path) >= 0)
         return DRAWBAR_PATH;
     if (!(arc_length >= 0.0 && arc_length < path_length(&path)))
         return DRAWBAR_RANGE;

@@ -1,5 +1,6 @@
 """The clocks: the computer's monotonic one, a stand-in's faster one, and the wall clock of the kernel's stamps."""
 
+import math
 import select
 import time
 from collections.abc import Callable, Sequence
@@ -54,7 +55,8 @@ class StampConverter:
     """Turns stamps of the wall clock into monotonic time, or that of a stand-in.
 
     Both clocks are read once for each conversion. Where the wall clock was set in between, or a stamp makes no sense
-    (from the future, older than `OLDEST`), the time of the look is returned: late rather than wrong.
+    (from the future, older than `OLDEST`, of the time before the clock was set forwards), the time of the look is
+    returned: late rather than wrong.
     """
 
     def __init__(self, clock: Clock = time.monotonic, wall_clock: Clock = time.time) -> None:
@@ -63,14 +65,19 @@ class StampConverter:
         self._pace = clock.pace if isinstance(clock, MachineClock) else 1
         now, wall = self._look()
         self._offset = wall - now / self._pace
+        self._set_from = -math.inf
+        """what the wall clock showed before it was last set forwards, s"""
 
     def monotonic(self, stamp: float) -> float:
         """Return the monotonic time of a stamp of the wall clock, both in s."""
         now, wall = self._look()
         offset = wall - now / self._pace
-        moved, self._offset = abs(offset - self._offset), offset
+        moved, self._offset = offset - self._offset, offset
+        if moved > STEP:
+            self._set_from = wall - moved
         age = wall - stamp
-        return now - age * self._pace if moved <= STEP and 0.0 <= age <= OLDEST else now
+        known = abs(moved) <= STEP and 0.0 <= age <= OLDEST and stamp > self._set_from
+        return now - age * self._pace if known else now
 
     def _look(self) -> tuple[float, float]:
         """Return what both clocks show at one instant, as nearly as a busy computer allows."""

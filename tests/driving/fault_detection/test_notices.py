@@ -19,6 +19,7 @@ from drawbar.signals import FixStatus
 from drawbar.simulation import build_path
 
 NOTHING = SimpleNamespace(excludes_positions=False, excludes_trailer=False)
+ALL_RIGHT = {"drifts": False, "mirrored": False, "far_apart": False}
 ACCEPTED, REJECTED = FixStatus.ACCEPTED, FixStatus.REJECTED
 
 
@@ -32,11 +33,11 @@ class Told:
             SimpleNamespace(library=SimpleNamespace(components={"alignment": SimpleNamespace(live=live)}))
         )
 
-    def step(self, *, fixes=(ACCEPTED, ACCEPTED), yaw=math.nan, exclusion=NOTHING, drifts=False):
+    def step(self, *, fixes=(ACCEPTED, ACCEPTED), yaw=math.nan, exclusion=NOTHING, **found):
         """Let a step pass; return what is told."""
         estimate = SimpleNamespace(tractor_fix=fixes[0], trailer_fix=fixes[1], tractor=SimpleNamespace(yaw=0.5))
         measurement = replace(measured(0.0, 0.0, 0.0, 0.0), tractor_yaw=yaw)
-        self.notices.update(SimpleNamespace(estimate=estimate, measurement=measurement), exclusion, drifts=drifts)
+        self.notices.update(SimpleNamespace(estimate=estimate, measurement=measurement), exclusion, **ALL_RIGHT | found)
         assert len(self.notices.codes) == MOST
         return [BY_CODE[code] for code in self.notices.codes if code]
 
@@ -114,6 +115,14 @@ def test_what_has_been_told_stays_until_the_stop_is_acknowledged(told):
     assert told.step() == [Cause.TRAILER_CONTRADICTS]
     told.gate(SupervisorState.STANDBY)
     assert told.step() == []
+
+
+def test_mirrored_front_wheels_are_told_instead_of_the_trailers_angles(told):
+    trailer = SimpleNamespace(excludes_positions=False, excludes_trailer=True)
+    told.gate(SupervisorState.ACTIVE)
+    assert told.step(exclusion=trailer) == [Cause.TRAILER_CONTRADICTS]
+    assert told.step(exclusion=trailer, mirrored=True) == [Cause.STEERING_MIRRORED]
+    assert told.step(mirrored=True) == [Cause.STEERING_MIRRORED]
 
 
 def engaged():

@@ -38,6 +38,12 @@ def test_the_driver_is_told_to_stop_until_the_vehicle_stands():
     assert "STOP THE VEHICLE" in picture(stopping, None).plain
 
 
+def test_past_the_end_of_the_line_no_old_distance_is_shown():
+    ended = dataclasses.replace(controller_of(Status.FINISHED), tractor_lateral_error=0.03)
+    assert "tractor not known" in picture(gate_of(SupervisorState.STANDBY), ended).plain
+    assert "tractor 3 cm left" in picture(gate_of(SupervisorState.STOPPING), ended).plain
+
+
 def test_the_display_says_why_a_key_was_refused():
     assert Cause.OUT_OF_RANGE.sentence in picture(None, None, Cause.OUT_OF_RANGE).plain
 

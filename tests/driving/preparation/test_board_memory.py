@@ -102,6 +102,7 @@ def test_nothing_is_written_unless_the_encoder_shows_that_the_wheels_stand(board
     with running(board) as devices, sensor_board(speed) as sensors:
         (found,) = board_memory.store_board_memories(devices.model_copy(update={"sensors": sensors}))
     assert found.problems[0].startswith(problem)
+    assert found.facts == ([] if speed is None else [f"{speed:.2f} m/s"])
     assert found.problems[-1] == "nothing was written to any board"
     assert board.settings.gain == 40
 

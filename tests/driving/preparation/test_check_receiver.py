@@ -257,3 +257,36 @@ def test_a_bare_valves_board_is_listened_to_and_told_nothing(monkeypatch, senten
     settings = BareValveSettings(transport="file:memory", counts=HITCH_COUNTS, angles=HITCH_ANGLES)
     finding = check._bare_valve(settings, 1.0)
     assert (finding.facts, len(finding.problems)) == (facts, problems)
+
+
+@pytest.mark.parametrize(
+    ("tractor", "trailer", "differ"),
+    [(123, 123, False), (123, 124, True), (0, 124, False), (None, 7, False), (7, 65535, False)],
+)
+def test_two_base_stations_are_told(tractor, trailer, differ):
+    findings = [Finding(device="receiver", station=station) for station in (tractor, trailer)]
+    told = check_receiver.other_station(*findings)
+    assert bool(told) is differ
+    assert not differ or told[0].startswith("its corrections are of station 124, the tractor receiver's of 123: ")
+
+
+def test_the_station_of_the_corrections_is_told(monkeypatch):
+    found = finding_of(
+        monkeypatch,
+        lambda step, time: nmea.gga(dataclasses.replace(report_at(time), station=123)) + nmea.vtg(report_at(time)),
+    )
+    assert found.station == 123
+    assert "corrections of station 123 1 s old" in found.facts
+
+
+def test_stations_of_both_receivers_are_compared(monkeypatch):
+    monkeypatch.setattr(
+        check,
+        "check_receiver",
+        lambda name, *_, **__: Finding(device=name, received=True, station=3 if "tractor" in name else 4),
+    )
+    for others in ("_boards", "_isobus"):
+        monkeypatch.setattr(check, others, lambda *_, **__: iter([]))
+    found = check.check(isobus_devices(), LocalFrame(latitude=50.0, longitude=4.0), 1.0, 0.2, oldest=5.0)
+    problems = [any("station" in problem for problem in finding.problems) for finding in found]
+    assert problems == [False, True]

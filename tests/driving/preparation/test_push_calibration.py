@@ -52,8 +52,8 @@ def test_it_finds_the_sensors_scale_by_the_yaw_rate(pushed):
 def test_it_moves_by_a_few_degrees_and_is_off_afterwards(pushed):
     _, line, done, _ = pushed
     assert math.radians(2.0) < line.farthest < math.radians(9.0)
-    assert line.told[-1] == 0
-    assert {drive for _, _, drive in done.rows} == {told / 1000 for told in line.told}
+    assert line.received[-1] == 0
+    assert {drive for _, _, drive in done.rows} == {drive / 1000 for drive in line.received}
 
 
 FAULTS = {
@@ -81,7 +81,7 @@ def test_what_goes_wrong_ends_it_with_its_reason_and_off(name, after):
     assert run.run() == []
     assert words in run.reason
     assert line.time < after + (10.0 if name == "a motor that turns round" else 1.2)
-    assert line.told[-1] == 0
+    assert line.received[-1] == 0
     assert line.farthest < math.radians(9.0)
 
 
@@ -102,7 +102,7 @@ def test_nothing_is_moved_where_it_may_not_begin(name):
     happen(line, run)
     assert run.run() == []
     assert words in run.reason
-    assert set(line.told) == {0}
+    assert set(line.received) == {0}
 
 
 @pytest.mark.parametrize("answers", ["n\n", "y\nn\n", "y\ny\n"])

@@ -2,11 +2,13 @@
 
 import json
 import os
+import re
 import resource
 import signal
 import socket
 import sys
 import time
+from types import SimpleNamespace
 
 import pytest
 from mcap.records import Channel, Message
@@ -16,6 +18,7 @@ from patience import ENGAGE, PATIENT, watch
 from drawbar.config import load_configuration
 from drawbar.driving.evaluation.replay import replay_drive
 from drawbar.driving.operator.front_end import FrontEnd
+from drawbar.driving.processes import drive_processes
 from drawbar.driving.processes.drive_processes import CONFIGURATION_NAME, DriveProcesses
 from drawbar.driving.stand_in.demonstration import with_stand_ins
 from drawbar.messages import SupervisorState
@@ -149,6 +152,14 @@ def test_a_disk_that_fills_while_driving_costs_the_record_only_and_that_is_told(
     assert read_log(log).records
     write_report(tmp_path)
     assert (tmp_path / "report.html").is_file()
+
+
+@pytest.mark.parametrize(("free", "words"), [(8192, "the disk of .* is full: make room, .* --out"), (10**9, "it said")])
+def test_a_process_that_dies_without_a_word_on_a_full_disk_is_explained(tmp_path, monkeypatch, free, words):
+    monkeypatch.setattr(drive_processes.shutil, "disk_usage", lambda folder: SimpleNamespace(free=free))
+    processes = DriveProcesses(with_stand_ins(load_configuration("articulated")), tmp_path, stand_ins=True)
+    assert re.search(words, processes.last_output())
+    processes.close()
 
 
 def test_a_runs_folder_that_is_removed_while_driving_costs_the_record_only_and_that_is_told(processes, tmp_path):

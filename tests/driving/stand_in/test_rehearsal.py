@@ -336,6 +336,24 @@ def test_isobus_steers_and_drives_by_nmea_2000(on_the_bus):
     assert all(not valve.exits for valve in rehearsal.machine.can.valves.values())
 
 
+@pytest.mark.parametrize("phase", [0.0, 0.05, 0.1, 0.15])
+def test_a_tractor_that_is_engaged_while_it_rolls_is_not_braked(phase):
+    rehearsal, _ = rehearse("safety.engage.fixed=1.0", devices=isobus_devices())
+    asked, send = [], rehearsal.gate.wires.send
+
+    def watched(time, steering, speed):
+        asked.append(speed.speed if speed.drive else math.nan)
+        return send(time, steering, speed)
+
+    rehearsal.gate.wires.send = watched
+    rehearsal._look += phase
+    while rehearsal.gate_state is None or rehearsal.gate_state.state is not SupervisorState.ACTIVE:
+        rehearsal.advance()
+        assert rehearsal.time < 30.0
+    list(rehearsal.run(1.0))
+    assert np.nanmin(asked) > 0.1
+
+
 def test_the_tractor_stops_by_the_bus_when_asked_to_and_stays(on_the_bus):
     rehearsal, _, _ = on_the_bus
     drive_until(rehearsal, SupervisorState.ACTIVE)

@@ -14,6 +14,8 @@
 #define PATIENCE 1.0                       /* for how long a command is repeated, s */
 #define KEPT 0.5                           /* for how long the speed stays where solvers fail or samples come late, s */
 #define ENDURANCE 3.0                      /* after how long of that the vehicle stands, s */
+#define CLOCKS 0.05                        /* share of the time by which clocks may differ */
+#define COUNTED 5.0                        /* sample times by which counted and passed time may differ beyond that */
 #define FLAGS                                                                                                \
     (DRAWBAR_MEASUREMENT | DRAWBAR_LATE | DRAWBAR_LIMITED | DRAWBAR_SOLVER | DRAWBAR_SLOWED \
      | DRAWBAR_RELEASED)
@@ -38,6 +40,7 @@ struct run {
     time_stamp taken;                      /* time of the newest sample that was taken, s */
     double unsolved;                       /* since all solvers had solutions; a sample counts for its length, or more, s */
     double overdue;                        /* by which samples came late, less half of the time in order since, s */
+    double counted;                        /* by how much samples were taken for longer than has passed, s */
     double wanted;                         /* set speed, m/s */
     double speed;                          /* of the newest command that was new, m/s; SPEED_LIMIT: somebody else drove */
     int released;                          /* somebody else drives */
@@ -164,9 +167,23 @@ static void note_sample(struct run *run, const struct answer *answer)
     if (run->ended || !is_in_time(run, answer->time))
         return;
     run->unsolved += run->begun ? fmax(elapsed, DRAWBAR_SAMPLE_TIME) : DRAWBAR_SAMPLE_TIME;
-    if (run->begun)
-        run->overdue = elapsed > 1.5 * DRAWBAR_SAMPLE_TIME ? run->overdue + elapsed - DRAWBAR_SAMPLE_TIME
-                                                           : fmax(run->overdue - 0.5 * DRAWBAR_SAMPLE_TIME, 0.0);
+    if (!run->begun)
+        return;
+    const int late = elapsed > 1.5 * DRAWBAR_SAMPLE_TIME;
+    run->overdue = late ? run->overdue + elapsed - DRAWBAR_SAMPLE_TIME
+                        : fmax(run->overdue - 0.5 * DRAWBAR_SAMPLE_TIME, 0.0);
+    const double due = (elapsed - fmax(run->counted, 0.0)) / DRAWBAR_SAMPLE_TIME;
+    run->counted += (late ? fmax(floor(due + 0.5), 1.0) : 1.0) * DRAWBAR_SAMPLE_TIME - elapsed;
+    run->counted -= fmax(-CLOCKS * elapsed, fmin(run->counted, CLOCKS * elapsed));
+}
+
+/* Samples at another rate than the library's end the run. */
+static void promise_rate(const struct run *run, const struct answer *answer)
+{
+    const double most = COUNTED * DRAWBAR_SAMPLE_TIME;
+
+    PROMISED(answer->status != DRAWBAR_RATE || fabs(run->counted) >= most - LEEWAY);
+    PROMISED(answer->status == DRAWBAR_RATE || answer->status == DRAWBAR_GAP || fabs(run->counted) <= most + LEEWAY);
 }
 
 /* Note a sample and its answer. */
@@ -199,7 +216,7 @@ static void note_answer(struct run *run, const struct answer *answer)
 static void announce(struct run *run)
 {
     run->begun = run->ended = 0;
-    run->unsolved = run->overdue = 0.0;
+    run->unsolved = run->overdue = run->counted = 0.0;
 }
 
 /* Hold an answer against all that is promised, and note it. */
@@ -229,6 +246,7 @@ static void promise(struct run *run, const struct answer *answer)
     }
     promise_time(run, answer);
     note_sample(run, answer);
+    promise_rate(run, answer);
     if (status < DRAWBAR_REFUSED)
         promise_new(run, answer);
     else if (status < DRAWBAR_FINISHED)

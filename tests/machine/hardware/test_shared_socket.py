@@ -70,14 +70,14 @@ def test_each_transport_writes_to_its_own_peer_and_hears_all(computer: UdpSocket
 
 
 def test_another_socket_is_heard_too_and_closed_with_the_last(computer: UdpSocket, boards: list[UdpSocket]) -> None:
-    ear = UdpSocket()
-    transports = share(computer, [board.socket.getsockname() for board in boards], [ear])  # type: ignore[list-item]
-    boards[0].write_to(b"set point", ear.socket.getsockname())
+    listener = UdpSocket()
+    transports = share(computer, [board.socket.getsockname() for board in boards], [listener])  # type: ignore[list-item]
+    boards[0].write_to(b"set point", listener.socket.getsockname())
     assert [[each.data for each in transport.read()] for transport in transports] == [[b"set point"]] * 2
     for transport in transports:
-        assert ear.fileno() >= 0
+        assert listener.fileno() >= 0
         transport.close()
-    assert ear.fileno() == -1
+    assert listener.fileno() == -1
 
 
 def test_own_datagrams_are_known_by_their_sender() -> None:

@@ -1,5 +1,6 @@
 """Base of every peer: a solver of stage problems of one structure that tells how long it took."""
 
+import ctypes
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from importlib.metadata import version
@@ -87,15 +88,18 @@ def stage_problem(workspace: Workspace, *, free_initial: bool) -> StageProblem:
     )
 
 
-def casadi_library(name: str) -> Path:
-    """Return a shared library that CasADi's wheel ships.
+def casadi_library(name: str) -> ctypes.CDLL:
+    """Load a shared library that CasADi's wheel ships.
 
     Raises:
-        MissingPeerError: it ships none.
+        MissingPeerError: it ships none, or one that cannot be loaded.
     """
     folder = Path(ca.__file__).parent
     found = [file for suffix in ("so", "dylib", "dll") for file in folder.glob(f"*{name}.{suffix}")]
     own = [file for file in found if file.stem in (name, f"lib{name}")]
     if not own:
         raise MissingPeerError(f"CasADi {version('casadi')} has no {name} here")
-    return own[0]
+    try:
+        return ctypes.CDLL(str(own[0]))
+    except OSError as error:
+        raise MissingPeerError(f"CasADi's {name} cannot be loaded ({error})") from error

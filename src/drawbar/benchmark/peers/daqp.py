@@ -5,7 +5,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from drawbar.benchmark.peers.base import MissingPeerError, Peer, casadi_library
+from drawbar.benchmark.peers.base import Peer, casadi_library
 from drawbar.benchmark.peers.call import TimedCall
 from drawbar.geometry import Floats
 from drawbar.optimal.stage_problem import StageProblem
@@ -56,10 +56,7 @@ class Daqp(Peer):
         Raises:
             MissingPeerError: CasADi's wheel has no DAQP here.
         """
-        try:
-            self._library = ctypes.CDLL(str(casadi_library("daqp")))
-        except OSError as error:
-            raise MissingPeerError(f"CasADi's DAQP cannot be loaded ({error})") from error
+        self._library = casadi_library("daqp")
         self._problem, self._result, self._settings = _Problem(), _Result(), _Settings()
         self._library.daqp_default_settings(ctypes.byref(self._settings))
         self._settings.primal_tol = 1e-9

@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from drawbar.benchmark.peers.base import Bounds, MissingPeerError, Peer, bounds_of, casadi_library
+from drawbar.benchmark.peers.base import Bounds, Peer, bounds_of, casadi_library
 from drawbar.benchmark.peers.call import TimedCall
 from drawbar.codegen.library import aligned
 from drawbar.geometry import Floats
@@ -33,10 +33,7 @@ class Hpipm(Peer):
         Raises:
             MissingPeerError: CasADi's wheel has no HPIPM here.
         """
-        try:
-            self._library = ctypes.CDLL(str(casadi_library("hpipm")))
-        except OSError as error:
-            raise MissingPeerError(f"CasADi's HPIPM cannot be loaded ({error})") from error
+        self._library = casadi_library("hpipm")
         self._problem, self._memories = problem, list[NDArray[np.uint8]]()
         self._sizes = problem.sizes
         self._bounds = [bounds_of(problem, k) for k in range(self._sizes.stages + 1)]

@@ -42,29 +42,29 @@ def board_wires(
     for listen in sorted({board.listen for board in boards.values() if board is not None}):
         here = {body: board for body, board in boards.items() if board is not None and board.listen == listen}
         first = next(iter(here.values()))
-        line = open_transport(first.ear if listens else first.transport, clock)
+        line = open_transport(first.receive_only if listens else first.transport, clock)
         assert isinstance(line, UdpTransport)
         relayed = SentenceRelay(line, sentences) if sentences else line
         peers = [board.destination for board in here.values()]
         own = own_sources(peers, COMPUTER_PORT)
-        ears = [] if listens else _ears(here.values(), clock)
-        for (body, board), transport in zip(here.items(), share(relayed, peers, ears), strict=True):
+        listeners = [] if listens else _broadcast_listeners(here.values(), clock)
+        for (body, board), transport in zip(here.items(), share(relayed, peers, listeners), strict=True):
             actuator = board.actuator(own)
             tractor, trailer = (actuator, None) if body == "tractor" else (None, actuator)
             opened.append(Wire(transport=transport, tractor=tractor, trailer=trailer))
     return opened
 
 
-def _ears(boards: Iterable[SteerBoardSettings], clock: Clock) -> list[Transport]:
-    """Open the sockets on which another computer is heard that broadcasts set points to the boards.
+def _broadcast_listeners(boards: Iterable[SteerBoardSettings], clock: Clock) -> list[Transport]:
+    """Open the sockets that receive what another computer broadcasts to the boards: set points.
 
-    Where a program has the port, or this computer is not in that network, there is none.
+    There is none where another program has the port or this computer is not in that network.
     """
-    ears: list[Transport] = []
+    listeners: list[Transport] = []
     for address in sorted({board.broadcasts for board in boards}):
         with suppress(HardwareError):
-            ears.append(open_transport(address, clock))
-    return ears
+            listeners.append(open_transport(address, clock))
+    return listeners
 
 
 def isobus_wire(settings: IsobusSettings, speed_limit: float | None, bus: CanBus | None = None) -> Wire:

@@ -102,8 +102,18 @@ class Notices:
         for heard, value in zip(self._sensors, (fixes.hitch_angle, fixes.wheel_speed), strict=True):
             heard.update(time, heard=math.isfinite(value))
 
-    def update(self, record: StepRecord, exclusion: FaultExclusion, *, drifts: bool) -> None:
-        """Take in a step, what is excluded, and whether positions drift."""
+    def update(
+        self, record: StepRecord, exclusion: FaultExclusion, *, drifts: bool, mirrored: bool, far_apart: bool
+    ) -> None:
+        """Take in a step, what is excluded, and what else was found.
+
+        Args:
+            record: of the step.
+            exclusion: of sensors.
+            drifts: positions do.
+            mirrored: the front wheels are.
+            far_apart: the antennas are not as far apart as the vehicle is long.
+        """
         estimate, rejections = record.estimate, self._rejections
         fixes = (estimate.tractor_fix, estimate.trailer_fix)
         alone = fixes.count(FixStatus.REJECTED) == 1
@@ -111,6 +121,12 @@ class Notices:
         rejections.trailer.update(holds=alone and fixes[1] is FixStatus.REJECTED)
         rejections.yaw.update(holds=self._yaw_is_far(record))
         present = dict.fromkeys(self._present(exclusion, drifts=drifts))
+        if far_apart:
+            present[Cause.ANTENNA_DISTANCE] = None
+        if mirrored:  # the trailer's angles contradict an estimate that is turned the wrong way
+            present = dict.fromkeys([Cause.STEERING_MIRRORED]) | present
+            present.pop(Cause.TRAILER_CONTRADICTS, None)
+            self._reported.pop(Cause.TRAILER_CONTRADICTS, None)
         self._reported = (self._reported | present) if self._stays else present
 
     def _present(self, exclusion: FaultExclusion, *, drifts: bool) -> Iterator[Cause]:

@@ -5,8 +5,10 @@ from collections.abc import Callable
 from contextlib import suppress
 
 from drawbar.config import Configuration
+from drawbar.driving.fault_detection.antenna_distance import AntennaDistance
 from drawbar.driving.fault_detection.antennas_apart import AntennasApart
 from drawbar.driving.fault_detection.fault_exclusion import FaultExclusion
+from drawbar.driving.fault_detection.mirrored_steering import MirroredSteering
 from drawbar.driving.fault_detection.notices import Notices
 from drawbar.driving.fault_detection.position_drift import PositionDrift
 from drawbar.driving.fault_detection.rollback import Rollback
@@ -62,12 +64,16 @@ class Controller:
         self._autopilot.set_engaged(False)
         self._stands = False
         """the driver has halted"""
+        self._made_engaged = False
+        """the newest command was made while engaged: before that it repeats the steering, with a speed of zero"""
         self._uncertainty_of = uncertainty_of(self._autopilot, configuration)
         self.uncertainty = Uncertainty()
         """of the newest estimate"""
         self._exclusion = FaultExclusion(configuration.sanity, configuration.vehicle, configuration.sample_time)
         self._drift, self._swapped = PositionDrift(), SwappedReceivers()
+        self._mirrored = MirroredSteering(configuration.vehicle, configuration.sample_time)
         self._apart = AntennasApart(configuration.vehicle.masts, configuration.sample_time)
+        self._distance = AntennaDistance(configuration.vehicle, configuration.sample_time)
         self._notices = Notices(self._autopilot)
         self._rollback = Rollback(self._autopilot, configuration.sample_time)
         self._gate: GateState | None = None
@@ -110,6 +116,8 @@ class Controller:
         self._drift.hear(fixes)
         self._notices.hear_fixes(fixes)
         self._swapped.hear(fixes)
+        forwards = not self._swapped.found  # backwards it turns the other way
+        self._mirrored.hear(fixes, self._gate.tractor_angle if self._gate and forwards else math.nan)
 
     def feedback(self, measurement: Measurement, now: int) -> CommandMessage:
         """Return the command that answers a measurement; call prepare() once it is out."""
@@ -119,7 +127,7 @@ class Controller:
             measurement = self._believed(measurement)
             self._halt(measurement)
         self._status, self._command = self._rollback.feedback(measurement)
-        self._measurement = measurement
+        self._measurement, self._made_engaged = measurement, self.engaged
         return self.repeat(now)
 
     def _halt(self, measurement: Measurement) -> None:
@@ -175,7 +183,13 @@ class Controller:
         if not self._status.has_ended:  # a run that has ended estimates nothing more
             self._record = record
             self._judge(record)
-            self._notices.update(record, self._exclusion, drifts=self._dead_reckons)
+            self._notices.update(
+                record,
+                self._exclusion,
+                drifts=self._dead_reckons,
+                mirrored=self._mirrored.found,
+                far_apart=self._distance.update(record),
+            )
             self.uncertainty = Uncertainty() if self._exclusion.is_active else uncertainty
         return record
 
@@ -266,7 +280,8 @@ class Controller:
     def _mode(self) -> Mode:
         if self._status.has_ended:
             return Mode.STOP if self.engaged else Mode.IDLE
-        return Mode.DRIVE if self.engaged and self._status < Status.POSITION else Mode.IDLE
+        drives = self.engaged and self._made_engaged
+        return Mode.DRIVE if drives and self._status < Status.POSITION else Mode.IDLE
 
     def _choose_line(self, offset: float, nudge: float) -> None:
         """Drive the line so far left of the configured one, m, and nudged.

@@ -7,6 +7,7 @@ from rich.text import Text
 
 from drawbar.messages import ControllerState, GateState, SupervisorState
 from drawbar.safety.causes import BY_CODE, Cause
+from drawbar.safety.engagement import LATCHED, STEERING
 from drawbar.signals import FixQuality
 from drawbar.statuses import Status
 
@@ -16,6 +17,17 @@ BAD = (SupervisorState.FAULT, SupervisorState.ESTOP)
 """the states that have a colour, by how well it goes"""
 STANDS = 0.05
 """slower is standing, m/s"""
+_UNKNOWN_AWAY = {
+    Cause.UNPROVED,
+    Cause.POSITION_UNSURE,
+    Cause.POSITION_LOST,
+    Cause.HEADING_UNSURE,
+    Cause.LINE_LOST,
+    Cause.ACROSS_LINE,
+    Cause.HITCH_ANGLE,
+    Cause.HITCH_FOLDED,
+}
+"""what stands against engaging wherever the controller is beside no line"""
 _MEANINGS = {
     SupervisorState.BOOT: "starting",
     SupervisorState.SELFTEST: "testing itself",
@@ -38,7 +50,8 @@ def picture(state: GateState | None, controller: ControllerState | None, refusal
 
     State, errors, what stands against engaging, what there is to tell of sensors, why the newest key was refused, keys.
     """
-    lines = [*_state(state, controller), *_numbers(controller), *map(reason, refusals(state) if state else ())]
+    lines = [*_state(state, controller), *_numbers(state, controller)]
+    lines += map(reason, refusals(state, controller) if state else ())
     lines += map(reason, notices(controller, state))
     if refusal is not None:
         lines.append(Text(f"refused: {refusal.sentence}: {refusal.advice}", style="yellow"))
@@ -65,9 +78,32 @@ def _led(cause: Cause, controller: ControllerState | None) -> str:
     return f"{cause.sentence}: {Status(controller.status).text}"
 
 
-def refusals(state: GateState) -> list[Cause]:
-    """Return what stands against engaging."""
-    return [BY_CODE[code] for code in state.refusals if code]
+def is_beside_line(state: GateState | None, controller: ControllerState | None) -> bool:
+    """Return whether the controller knows where the vehicle is beside a line; past the line's end it does not."""
+    if state is not None and state.state in STEERING:
+        return True
+    if controller is None or Status(controller.status).has_ended:
+        return False
+    return math.isfinite(controller.tractor_lateral_error)
+
+
+def refusals(state: GateState, controller: ControllerState | None) -> list[Cause]:
+    """Return what stands against engaging, without what follows from the rest.
+
+    Where the vehicle is to stand first, not that it stands; away from any line, as on a headland, not what only a
+    controller beside a line can know.
+    """
+    found = [BY_CODE[code] for code in state.refusals if code]
+    hidden = set()
+    if state.state in LATCHED or Cause.EMERGENCY_UNTRIED in found:
+        hidden.add(Cause.TOO_SLOW)
+    if state.state is SupervisorState.ENGAGING:  # which turns the wheels there
+        hidden.add(Cause.STEERING_APART)
+    if controller is not None and not is_beside_line(state, controller):
+        hidden |= _UNKNOWN_AWAY
+        if found and not hidden.isdisjoint(found):
+            found = [Cause.OFF_LINE, *(cause for cause in found if cause is not Cause.OFF_LINE)]
+    return [cause for cause in found if cause not in hidden]
 
 
 def notices(controller: ControllerState | None, state: GateState | None) -> list[Cause]:
@@ -95,12 +131,13 @@ def stands(controller: ControllerState | None) -> bool:
     return abs(wheels if math.isfinite(wheels) else controller.receiver_speed) <= STANDS
 
 
-def _numbers(controller: ControllerState | None) -> Iterator[Text]:
+def _numbers(state: GateState | None, controller: ControllerState | None) -> Iterator[Text]:
     if controller is None:
         yield Text("the controller reports nothing yet")
         return
-    bodies = ("tractor", "trailer")
-    yield Text("   ".join(f"{body} {_side(getattr(controller, f'{body}_lateral_error'))}" for body in bodies))
+    bodies, known = ("tractor", "trailer"), is_beside_line(state, controller)
+    errors = [getattr(controller, f"{body}_lateral_error") if known else math.nan for body in bodies]
+    yield Text("   ".join(f"{body} {_side(error)}" for body, error in zip(bodies, errors, strict=True)))
     fixes = ", ".join(f"{body} {FixQuality(getattr(controller, f'{body}_quality')).name.lower()}" for body in bodies)
     age = f", corrections {controller.correction_age:.0f} s" if math.isfinite(controller.correction_age) else ""
     yield Text(f"{_speed(controller.wheel_speed)}   fix: {fixes}{age}")

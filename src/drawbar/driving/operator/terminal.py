@@ -30,7 +30,7 @@ class Terminal:
         self._live = Live(console=console, auto_refresh=False, transient=True) if console.is_terminal else None
         self._announced: SupervisorState | None = None
         self._reasons = set[Cause]()
-        """that were told since the newest state"""
+        """that were printed since the newest state"""
         self._lost: list[str] = []
 
     def show(self) -> None:
@@ -59,10 +59,10 @@ class Terminal:
         """
         if self._live is not None:
             return []
-        told, sensors = refusals(state), notices(self._front.controller, state)
+        causes, sensors = refusals(state, self._front.controller), notices(self._front.controller, state)
         if state.state is not SupervisorState.STANDBY:
-            told = [cause for cause in told if state.steers and cause.response is not Response.NONE]
-        return told + sensors
+            causes = [cause for cause in causes if state.steers and cause.response is not Response.NONE]
+        return causes + sensors
 
     def tell_losses(self) -> bool:
         """Say which processes have ended; return whether the drive continues without them."""

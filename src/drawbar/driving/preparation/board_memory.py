@@ -59,7 +59,9 @@ def _wheels(sensors: SensorBoardSettings) -> Finding | None:
     found = Finding(device="wheels", received=math.isfinite(speed))
     if not found.received:
         found.problems.append("their encoder reports nothing, so that nothing shows that they stand: mend it")
-    elif abs(speed) > _STANDING:
+    else:
+        found.facts.append(f"{speed:.2f} m/s")
+    if abs(speed) > _STANDING:
         found.problems.append("they turn: stand")
     if found.problems:
         found.problems.append("nothing was written to any board")

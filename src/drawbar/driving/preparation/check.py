@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from functools import partial
 
 from drawbar.driving.devices.actuators import board_wires, isobus_wire
-from drawbar.driving.preparation.check_receiver import check_receiver, not_forwarded, other_time
+from drawbar.driving.preparation.check_receiver import check_receiver, not_forwarded, other_station, other_time
 from drawbar.driving.preparation.finding import Finding, finding_of, poll_times, tell_silence
 from drawbar.errors import HardwareError
 from drawbar.geometry import LocalFrame
@@ -74,7 +74,7 @@ def check(
     yield tractor
     if devices.trailer_receiver is not None:
         trailer = receiver("trailer receiver", devices.trailer_receiver)
-        trailer.problems += other_time(tractor, trailer)
+        trailer.problems += other_time(tractor, trailer) + other_station(tractor, trailer)
         yield trailer
     boards = {"tractor board": devices.tractor_board, "trailer board": devices.trailer_board}
     yield from _boards({name: board for name, board in boards.items() if board is not None}, seconds)

@@ -25,6 +25,8 @@ from drawbar.transports.tapped import Direction, TappedTransport
 
 _ENOUGH = 0.95
 """of the epochs that the controller takes"""
+_STATIONS = frozenset(range(1, 4096))
+"""numbers of base stations; 0 is told as well where it is not known"""
 _UBX_KINDS = frozenset(name for name, _, _ in UBX.values())
 
 
@@ -98,11 +100,11 @@ def check_receiver(
 def _describe(finding: Finding, epochs: list[Epoch], frame: LocalFrame, receiver: Receiver, sample_time: float) -> None:
     last = epochs[-1]
     finding.fixed = last.quality is FixQuality.FIXED
-    finding.clock = last.utc - last.received
+    finding.clock, finding.station = last.utc - last.received, last.station
     span = last.time - epochs[0].time
     rate = (len(epochs) - 1) / span if span > 0.0 else math.nan
-    told = f"{rate:.1f} Hz, " if math.isfinite(rate) else ""
-    finding.facts.append(f"{told}{', '.join(sorted(receiver.kinds))}")
+    rate_text = f"{rate:.1f} Hz, " if math.isfinite(rate) else ""
+    finding.facts.append(f"{rate_text}{', '.join(sorted(receiver.kinds))}")
     if rate < _ENOUGH / sample_time:
         needed = f"{1.0 / sample_time:g}"
         finding.problems.append(
@@ -110,7 +112,8 @@ def _describe(finding: Finding, epochs: list[Epoch], frame: LocalFrame, receiver
         )
     finding.facts.append(f"fix {last.quality.name.lower()}, deviation {max(last.sigma_east, last.sigma_north):.3f} m")
     if math.isfinite(last.correction_age):
-        finding.facts.append(f"corrections {last.correction_age:.0f} s old")
+        source = f" of station {last.station}" if last.station in _STATIONS else ""
+        finding.facts.append(f"corrections{source} {last.correction_age:.0f} s old")
     if math.isfinite(last.roll):
         finding.facts.append(f"roll {math.degrees(last.roll):.1f}°")
     if math.isfinite(last.yaw):
@@ -166,4 +169,16 @@ def other_time(tractor: Finding, trailer: Finding) -> list[str]:
     return [
         f"its time is {apart:+.1f} s from the tractor receiver's, and only epochs of one time are used: let both run "
         "until they know UTC and its leap seconds (up to 13 minutes)"
+    ]
+
+
+def other_station(tractor: Finding, trailer: Finding) -> list[str]:
+    """Say if two receivers are corrected from different base stations."""
+    stations = {tractor.station, trailer.station}
+    if len(stations) == 1 or not stations <= _STATIONS:
+        return []
+    return [
+        f"its corrections are of station {trailer.station}, the tractor receiver's of {tractor.station}: two bases may "
+        "be decimetres apart, and then the vehicle is led beside its line: give both receivers the same corrections, "
+        "unless your network numbers each connection"
     ]

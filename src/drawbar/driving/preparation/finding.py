@@ -25,6 +25,8 @@ class Finding:
     """what is missing, each with what to do"""
     fixed: bool = False
     """of a receiver: its last fix was RTK fixed"""
+    station: int | None = None
+    """of a receiver: which its corrections come from, where it says so"""
     clock: float = math.nan
     """of a receiver: its time of day when this computer's monotonic clock began, s"""
 

@@ -48,7 +48,7 @@ class PushCalibration:
         self.reason = ""
         """why it was ended early, and what to do"""
         self._machine, self._settings, self._patience = machine, settings, patience
-        self.begun = False
+        self.started = False
         """the vehicle rolls, and the wheels are turned"""
         self._ending, self._attended = "", time.monotonic()
 
@@ -64,7 +64,7 @@ class PushCalibration:
         """Make all pushes, and return what they show; nothing where `reason` says why. Then it is off."""
         try:
             self._wait_until_it_rolls()
-            self.begun = True
+            self.started = True
             first = self._made(Calibration(self.bands))
             if self.reason:
                 return []

@@ -1,6 +1,8 @@
 """The processes of a drive: they are started, the recorder first, watched, and ended, the gate first."""
 
+import math
 import os
+import shutil
 import signal
 import socket
 import subprocess
@@ -35,6 +37,8 @@ LOSSES = {
     RECEIVERS: "the receivers' process has ended: the vehicle is steered along its line until it stands; brake",
 }
 """processes without which a drive continues, the last one only while it steers, and what is then said"""
+_ROOM = 1_000_000
+"""with less free space a disk is full, bytes"""
 _ENDING = 5.0
 """within which a process must end that was told to, s"""
 _STARTING = 30.0
@@ -169,8 +173,13 @@ class DriveProcesses:
             return []
 
     def last_output(self) -> str:
-        """Return the last lines that the processes have written."""
-        return " / ".join(self.output()[-4:]) or "it said nothing"
+        """Return the last lines that the processes have written; where there is no room for any, that."""
+        if lines := self.output()[-4:]:
+            return " / ".join(lines)
+        free = shutil.disk_usage(self._run).free if self._run.exists() else math.inf
+        if free < _ROOM:
+            return f"the disk of {self._run} is full: make room, or choose another folder by --out"
+        return "it said nothing"
 
     def close(self) -> None:
         """End the gate first, so that the actuators release the steering; then all others, the recorder last."""

@@ -17,6 +17,7 @@ from drawbar.driving.messaging.endpoint import Endpoint
 from drawbar.driving.messaging.process_options import DRIVER, ProcessOptions
 from drawbar.driving.processes.shutdown import ShutdownRequest, run_program
 from drawbar.driving.stand_in.caster import stand_in_caster
+from drawbar.driving.stand_in.hand_steering import HandSteering
 from drawbar.driving.stand_in.lines import BoardLine, CanLine, DataLine, SerialLine, open_data_line, open_line
 from drawbar.driving.stand_in.stand_in_machine import SEED, Firmware, stand_in_machine
 from drawbar.errors import HardwareError
@@ -32,6 +33,7 @@ from drawbar.protocols.agopengps.steer_board import SET_POINT
 from drawbar.protocols.rtcm import RtcmFramer
 from drawbar.realtime import schedule_first
 from drawbar.safety.causes import Cause
+from drawbar.signals import Truth
 from drawbar.simulation import build_path
 from drawbar.transports.address import is_loopback
 from drawbar.transports.open import open_can
@@ -130,6 +132,10 @@ def _tell(driver: Driver, state: GateState) -> None:
         driver.begin_again()
 
 
+def _hands_off(_: Truth) -> None:
+    """Leave the wheels as they are: a wiggle test or a calibration is on, or nobody is there."""
+
+
 def _driver_endpoint(options: ProcessOptions, configuration: Configuration) -> Endpoint:
     """Open what the driver is told by, where the drive looks for it.
 
@@ -155,7 +161,7 @@ def serve(
     faults: Sequence[PlannedFault] = (),
     tell: Callable[[str], None] = lambda words: None,
     firmware: Firmware = Firmware.AIO_V4,
-    begun: Callable[[], None] = lambda: None,
+    ready: Callable[[], None] = lambda: None,
 ) -> int:
     """Be the machine until told to end; return an exit code.
 
@@ -164,7 +170,7 @@ def serve(
         faults: of the machine.
         tell: is given what happens when one begins.
         firmware: of all boards.
-        begun: is called once all devices are there.
+        ready: is called once all devices are there.
 
     Raises:
         ConfigurationError: the machine does not have the device that one is a fault of.
@@ -177,7 +183,7 @@ def serve(
         bus = opened.enter_context(closing(open_can(devices.isobus.bus, clock))) if devices.isobus else None
         machine = stand_in_machine(configuration, path, local_frame(configuration), SEED, bus, firmware)
         machine.driver.wait = Driver.WAIT if options.stand_ins else Driver.WAIT_UNTOLD
-        plan = FaultPlan(faults, machine, devices)
+        plan, hand = FaultPlan(faults, machine, devices), HandSteering(path, configuration.vehicle)
         try:
             endpoint = opened.enter_context(closing(_driver_endpoint(options, configuration)))
             stand_ins = opened.enter_context(closing(StandIns(configuration, machine, options.pace)))
@@ -185,15 +191,17 @@ def serve(
             print(f"stand-in: {error}", file=sys.stderr)
             return 2
         shutdown, seen = ShutdownRequest(), -math.inf
-        begun()
+        ready()
         schedule_first(_PRIORITY)
         while not shutdown.asked:
             for data in endpoint.receive():
                 state = decode(data, GateState)
                 if isinstance(state, GateState):
                     _tell(machine.driver, state)
+                    hand.choose(state.line * configuration.path.working_width + state.nudge)
                     seen = clock()
             now = clock()
+            machine.by_hand = hand if now - seen < _GONE else _hands_off
             machine.driver.attend(now, attended=now - max(seen, stand_ins.commanded) < _GONE)
             stand_ins.advance(now)
             for words in plan.look():

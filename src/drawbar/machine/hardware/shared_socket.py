@@ -41,14 +41,16 @@ class DatagramSocket(Protocol):
         """Close the socket."""
 
 
-def share(line: DatagramSocket, peers: Sequence[tuple[str, int]], ears: Sequence[Transport] = ()) -> list[Transport]:
+def share(
+    line: DatagramSocket, peers: Sequence[tuple[str, int]], listeners: Sequence[Transport] = ()
+) -> list[Transport]:
     """Return a transport to each of `peers`, host and port, over the socket `line`.
 
-    What arrives at `ears` is received as well; nothing is sent there. One that listens on port 8888 receives the set
-    points that another computer broadcasts to the boards. Socket and ears close with the last of the transports.
+    What arrives at `listeners` is received as well; nothing is sent there. One on port 8888 receives the set points
+    that another computer broadcasts to the boards. Socket and listeners close with the last of the transports.
     """
     shared: list[_PeerTransport] = []
-    shared += [_PeerTransport(line, peer, shared, ears) for peer in peers]
+    shared += [_PeerTransport(line, peer, shared, listeners) for peer in peers]
     return list(shared)
 
 
@@ -75,12 +77,12 @@ class _PeerTransport(Transport):
         line: DatagramSocket,
         peer: tuple[str, int],
         shared: list["_PeerTransport"],
-        ears: Sequence[Transport],
+        listeners: Sequence[Transport],
     ) -> None:
         self.connected, self.trouble, self.unsent = line.connected, "", 0
         self.lost = 0
         """datagrams that nobody read in time"""
-        self._line, self._peer, self._shared, self._ears = line, peer, shared, ears
+        self._line, self._peer, self._shared, self._listeners = line, peer, shared, listeners
         self._waiting: deque[Received] = deque(maxlen=_WAITING)
 
     def fileno(self) -> int:
@@ -88,7 +90,7 @@ class _PeerTransport(Transport):
 
     def read(self) -> list[Received]:
         if self.connected:
-            arrived = self._line.read() + [each for ear in self._ears for each in ear.read()]
+            arrived = self._line.read() + [each for listener in self._listeners for each in listener.read()]
             for each in self._shared:
                 each.hand_over(arrived)
         received = list(self._waiting)
@@ -111,5 +113,5 @@ class _PeerTransport(Transport):
         self.connected = False
         if not any(each.connected for each in self._shared):
             self._line.close()
-            for ear in self._ears:
-                ear.close()
+            for listener in self._listeners:
+                listener.close()

@@ -124,7 +124,7 @@ class SteerBoardSettings(Settings):
         return host, int(port or COMPUTER_PORT)
 
     @property
-    def ear(self) -> str:
+    def receive_only(self) -> str:
         """Address of a socket for `drawbar.transports` that receives from the board, and sends nothing."""
         host, port = self.listening
         return f"udp://{host}:{port}"
@@ -139,7 +139,7 @@ class SteerBoardSettings(Settings):
     def transport(self) -> str:
         """Address of the socket for `drawbar.transports`; boards that `listen` at one place share one socket."""
         host, port = self.destination
-        return f"{self.ear}?peer={host}:{port}" + ("&broadcast=1" if host.endswith(".255") else "")
+        return f"{self.receive_only}?peer={host}:{port}" + ("&broadcast=1" if host.endswith(".255") else "")
 
     def actuator(self, own: Collection[str] = ()) -> SteerBoard:
         """Return the board as the gate commands it; own: `address:port` of this computer's own sockets.

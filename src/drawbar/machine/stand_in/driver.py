@@ -36,6 +36,11 @@ class Driver:
         self.stop_requested = False
         """by the display"""
 
+    @property
+    def creeps(self) -> bool:
+        """He drives before the boards steer, and steers himself."""
+        return self.speed > 0.0 and not self.steered
+
     def attend(self, time: float, *, attended: bool) -> None:
         """Stand while nobody is there who could steer, and begin again with the next who is; without this, creep.
 

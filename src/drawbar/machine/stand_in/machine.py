@@ -117,6 +117,8 @@ class StandInMachine:
         """what the sensor board reports of the hitch, given what is right; None: nothing"""
         self.pulses: Callable[[int], int] = lambda right: right
         """the same of the wheels"""
+        self.by_hand: Callable[[Truth], float | None] = lambda truth: None
+        """where the driver turns the front wheels while he creeps and nothing steers, rad; None: he leaves them"""
 
     @property
     def time(self) -> float:
@@ -160,6 +162,8 @@ class StandInMachine:
         if pushed is not None:
             points["tractor"] = pushed
         self.driver.tick(time, steered, self.can.speed(time) if self.can else None, pushed=pushed is not None)
+        if points["tractor"] is None and self.driver.creeps:
+            points["tractor"] = self.by_hand(self.world.truth)
         if self._ticks:
             self.world.tick(points["tractor"], points["trailer"], self.driver.speed)
             self._turn()

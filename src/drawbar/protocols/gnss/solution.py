@@ -96,15 +96,15 @@ def _completeness(velocity: Velocity) -> tuple[bool, bool]:
 def _quality(positions: list[Position]) -> FixQuality:
     """Return the quality of the best message that says one; NONE where there is no position beside it.
 
-    A fixed one that is told in coarse steps counts as float.
+    A fixed one whose position comes in coarse steps counts as float.
     """
     if not positions:
         return FixQuality.UNKNOWN
     if math.isnan(positions[0].latitude):
         return FixQuality.NONE
     said = [each.quality for each in positions if each.quality is not FixQuality.UNKNOWN]
-    told = said[0] if said else FixQuality.UNKNOWN
-    return min(told, FixQuality.FLOAT) if positions[0].resolution > _COARSE else told
+    quality = said[0] if said else FixQuality.UNKNOWN
+    return min(quality, FixQuality.FLOAT) if positions[0].resolution > _COARSE else quality
 
 
 def _merged(positions: list[Position], *, is_fix: bool) -> Position:

@@ -28,10 +28,24 @@ _GAP = 0.3
 """silence of the valve after which it is not there, s"""
 _SETTLED = 1.0
 """the valve must have been heard for so long before it is engaged, s"""
+_CLEARED = 0.5
+"""within which a valve that steers must have cleared an exit reason from before, s"""
 _OTHER_MASTER_HOLD = 1.0
 """for how long another sender of commands is remembered, s"""
 _OPERATOR_EXITS = (ExitReason.OPERATOR_OVERRIDE,)
 _FAULT_EXITS = (ExitReason.CONTROL_FAULT, ExitReason.FUNCTION_FAULT, ExitReason.ERROR)
+_PASSING_EXITS = (
+    ExitReason.OPERATOR_PRESENCE,
+    ExitReason.IMPLEMENT_RELEASED,
+    ExitReason.OPERATOR_OVERRIDE,
+    ExitReason.CONTROL_NOT_IN_POSITION,
+    ExitReason.COMMAND_TIMEOUT,
+    ExitReason.OUT_OF_RANGE,
+    ExitReason.GEAR,
+    ExitReason.TOO_SLOW,
+    ExitReason.TOO_FAST,
+)
+"""reasons that may be over while a valve still tells them"""
 _NO_EXITS = (ExitReason.NONE, ExitReason.NOT_AVAILABLE)
 _LIMITS_WHILE_STEERING = (LimitStatus.NOT_LIMITED, LimitStatus.LIMITED_HIGH, LimitStatus.LIMITED_LOW)
 """a valve at its stop still steers as asked as far as it can"""
@@ -54,6 +68,10 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
     `period`, s, whatever the rate of `send`, a new angle up to a fifth of it earlier; only that first "not intended"
     comes out of turn.
 
+    An exit reason tells why a valve takes no commands, or why it has last ceased to. Where a valve keeps it although it
+    says that it is ready, it is the latter after a second, and does not stand against steering; the valve must clear
+    it once it steers.
+
     `address` is the valve's own; None: it is the only one on the bus, and is commanded by messages to all.
     """
 
@@ -75,7 +93,7 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
         """"not intended" is to be said out of turn"""
         self._source: int | None = address
         self._info_time = self._second_valve_time = self._other_master_time = -math.inf
-        self._received_since = self._steering_since = math.inf
+        self._received_since = self._steering_since = self._reason_since = math.inf
         self._losses = node.claim.losses
         node.attach(self)
 
@@ -131,13 +149,15 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
         if info is None:
             self.dropped["length"] += 1
             return
+        if self.machine is None or info.exit_reason != self.machine.exit_reason:
+            self._reason_since = time
         if time - self._info_time > _GAP:
             self._received_since = time
             if self._phase is _Phase.STEERING:
                 self._leave(Readiness.SILENT)
         self.machine, self._info_time = info, time
         # A state that lasts for one message only is seen here, whatever the gate's rate.
-        state = self._state(info)
+        state = self._state(time, info)
         if self._phase is _Phase.STEERING and state is not Readiness.READY:
             self._leave(state)
 
@@ -195,19 +215,26 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
             return Readiness.OTHER_MASTER
         if time - self._second_valve_time <= _GAP:
             return Readiness.FAULT
-        return self._state(self.machine)
+        return self._state(time, self.machine)
 
-    def _state(self, info: MachineInfo) -> Readiness:
+    def _is_past(self, time: float, reason: int) -> bool:
+        """Return whether an exit reason of a valve that is ready is that of an earlier end."""
+        cleared_by = self._steering_since + _CLEARED if self._phase is _Phase.STEERING else math.inf
+        settled = time - max(self._reason_since, self._received_since) >= _SETTLED
+        return reason in _PASSING_EXITS and settled and time <= cleared_by
+
+    def _state(self, time: float, info: MachineInfo) -> Readiness:
         """Return what the valve's own states allow; what it does not say is no."""
         limits = _LIMITS_WHILE_STEERING if self._phase is _Phase.STEERING else (LimitStatus.NOT_LIMITED,)
-        if info.limit == LimitStatus.OPERATOR or info.exit_reason in _OPERATOR_EXITS:
+        ready = (info.locked_out, info.ready, info.in_position, info.reset_required) == (False, True, True, False)
+        reason = ExitReason.NONE if ready and self._is_past(time, info.exit_reason) else info.exit_reason
+        if info.limit == LimitStatus.OPERATOR or reason in _OPERATOR_EXITS:
             return Readiness.OVERRIDDEN
         if info.locked_out:
             return Readiness.LOCKED_OUT
-        if info.limit == LimitStatus.NON_RECOVERABLE or info.exit_reason in _FAULT_EXITS:
+        if info.limit == LimitStatus.NON_RECOVERABLE or reason in _FAULT_EXITS:
             return Readiness.FAULT
-        if info.exit_reason == ExitReason.OTHER_GUIDANCE:
+        if reason == ExitReason.OTHER_GUIDANCE:
             return Readiness.OTHER_MASTER
-        states = (info.locked_out, info.ready, info.in_position, info.reset_required)
-        expected = states == (False, True, True, False) and info.exit_reason in _NO_EXITS and info.limit in limits
+        expected = ready and reason in _NO_EXITS and info.limit in limits
         return Readiness.READY if expected and math.isfinite(info.curvature) else Readiness.NOT_READY

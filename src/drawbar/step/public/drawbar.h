@@ -6,7 +6,7 @@
  *
  * drawbar_size.h has DRAWBAR_SAMPLE_TIME in seconds. Call at every sample, even when the sensors report nothing: a missing
  * value is NaN. Let each measurement begin as DRAWBAR_NOTHING_MEASURED: a zero is a measurement. The state holds everything
- * that is remembered: one per vehicle, used by one thread at a time; a copy of it goes on as the original would. No
+ * that is remembered: one per vehicle, used by one thread at a time; a copy of it continues like the original. No
  * function allocates memory, reads a clock or keeps anything outside the state.
  *
  * Signals, statuses and their units: drawbar_signals.h.
@@ -15,13 +15,14 @@
  *
  *     below DRAWBAR_REFUSED     a new command; the number is a set of enum drawbar_flag, 0 where there is nothing to say
  *     from DRAWBAR_REFUSED on   no new command; the last one is repeated, for at most one second by the time stamps and by
- *                               the number of samples; then the vehicle is stopped, and the run ends if it had begun
+ *                               the number of samples; then the vehicle is stopped, and a run that has begun ends
  *     from DRAWBAR_FINISHED on  the run has ended: the command stops the vehicle with its steering held, until the next
  *                               drawbar_set_path
  *     from DRAWBAR_NULL on      the call was wrong: nothing was computed, and the command stops the vehicle
  *
- * Where estimator or controllers have no solution, or samples come late, the vehicle goes on along its last plan, slower
+ * Where estimator or controllers have no solution, or samples come late, the vehicle continues along its last plan, slower
  * after half a second (DRAWBAR_SLOWED), and stops after three seconds at the latest (DRAWBAR_UNSOLVED, DRAWBAR_OVERDUE).
+ * Where time stamps say that calls come at another rate than DRAWBAR_SAMPLE_TIME, it is stopped (DRAWBAR_RATE).
  */
 #ifndef DRAWBAR_H
 #define DRAWBAR_H
@@ -43,26 +44,27 @@ struct drawbar_state {
 /* Prepare the state for its first path. */
 DRAWBAR_API int drawbar_init(struct drawbar_state *state);
 
-/* Begin a run at the start of a path; the next measurement starts it. May be called at any time: a run that is on ends, a
- * sample whose drawbar_prepare has not been called is over, and drawbar_feedback comes next.
+/* Begin a run at the start of a path, with the next measurement. May be called at any time: it ends the present run, and
+ * drawbar_feedback comes next even where drawbar_prepare was due.
  *
  * nodes: count (at least 2) poses with arc lengths that begin at zero and increase by 1 mm to 0.25 m, joined by arcs:
  *     no jumps, no kinks, yaw continuous. The library keeps the pointer, not a copy: keep the table unchanged until the
  *     run ends or another path is set.
  *
  * When it is refused (DRAWBAR_PATH) nothing changes. While the run cannot begin the vehicle stands, and status and
- * start_distance of the diagnostics tell why: an antenna's position is missing, or the tractor is further than
+ * start_distance of the diagnostics say why: an antenna's position is missing, or the tractor is further than
  * guidance.maximum_start_distance of config.toml from where the run is to begin. */
 DRAWBAR_API int drawbar_set_path(struct drawbar_state *state, const struct drawbar_path_node *nodes,
                                  int32_t count);
 
 /* Let the run that drawbar_set_path has announced begin elsewhere on the path.
  *
- * arc_length: from 0 to below the path's length, m; else DRAWBAR_RANGE, and nothing changes; nor once the run has begun
- * (DRAWBAR_ORDER). */
+ * arc_length: from 0 to below the path's length, m.
+ *
+ * When it is refused (DRAWBAR_RANGE; DRAWBAR_ORDER: the run has begun) nothing changes. */
 DRAWBAR_API int drawbar_begin_at(struct drawbar_state *state, double arc_length);
 
-/* Go on along another path, without a stop. Its nodes are as those of drawbar_set_path; the tractor must be within 1 m of
+/* Continue along another path, without a stop. Its nodes are as those of drawbar_set_path; the tractor must be within 1 m of
  * it, near an arc length (m), and face along it within 60 degrees.
  *
  * When it is refused (DRAWBAR_ELSEWHERE: the tractor is not there, DRAWBAR_PATH, DRAWBAR_RANGE, DRAWBAR_NO_RUN) nothing
@@ -75,7 +77,7 @@ DRAWBAR_API int drawbar_change_path(struct drawbar_state *state, const struct dr
  *
  * Before a run begins, and while somebody else drives, the line is there at once. Else it is shifted, beginning beside the
  * tractor, over a length within which it bends by a tenth of vehicle.curvature_limit and guidance.curvature_rate_limit at
- * most (0.3 m: 8.4 m with the defaults); what is wished meanwhile comes after that.
+ * most (0.3 m: 8.4 m with the defaults); an offset that is set meanwhile comes after that.
  *
  * Refused (DRAWBAR_RANGE, nothing changes): what is not finite or beyond 100 m, or a line that inside of a curve would be
  * tighter than vehicle.curvature_limit and the path. Takes as long as drawbar_set_path: it looks at every node. */
@@ -85,9 +87,9 @@ DRAWBAR_API int drawbar_set_offset(struct drawbar_state *state, double offset);
  * commanded speed approaches it by the configuration's acceleration. */
 DRAWBAR_API int drawbar_set_speed(struct drawbar_state *state, double speed);
 
-/* Tell whether the commands are carried out; after drawbar_init they are. While they are not (engaged is 0) somebody else
- * drives: the command repeats the steering as it is, with speed zero (DRAWBAR_RELEASED), and estimate and plans go on from
- * what the vehicle does. Once engaged, the command begins there. drawbar_set_path does not change it. */
+/* Say whether the vehicle carries out the commands; after drawbar_init it does. While it does not (engaged is 0) somebody
+ * else drives: the command repeats the estimated steering, with speed zero (DRAWBAR_RELEASED), and estimate and plans follow
+ * what the vehicle does. Once it does again, the command starts from there. drawbar_set_path does not change this. */
 DRAWBAR_API int drawbar_set_engaged(struct drawbar_state *state, int32_t engaged);
 
 /* Compute the command for the newest measurement; send it before anything else. */

@@ -27,6 +27,7 @@ enum drawbar_status {
     DRAWBAR_STOPPED = 133,              /* stopped: no command could be given for longer than one may be repeated */
     DRAWBAR_UNSOLVED = 134,             /* stopped: estimator or controllers have had no solution for too long */
     DRAWBAR_OVERDUE = 135,              /* stopped: samples came late for too long */
+    DRAWBAR_RATE = 136,                 /* stopped: samples come more often, or less often, than every sample_time */
     DRAWBAR_COARSE = 140,               /* stopped: positions have been coarse for too long */
     DRAWBAR_OSCILLATION = 141,          /* stopped: errors or steering swing from side to side */
     DRAWBAR_BACKWARDS = 142,            /* stopped: both antennas move backwards: they are swapped, or the vehicle

@@ -1,0 +1,59 @@
+"""Antenna distance: of both antennas from each other, against that which the chain of both bodies gives.
+
+Receivers that are corrected from different base stations are decimetres apart, by a shift that does not turn with the
+vehicle. An estimate absorbs it in yaws and crab angles, and leads both bodies beside the line. The distance shows what
+of the shift is along the vehicle; a wrong hitch angle or crab angle hardly changes it.
+"""
+
+import math
+from collections import deque
+from dataclasses import fields
+from statistics import fmean
+
+from drawbar.geometry import arm_offset
+from drawbar.signals import FixStatus, Pose, SolverStatus, StepRecord
+from drawbar.vehicle.articulated import trailer_antenna
+from drawbar.vehicle.lengths import Lengths
+from drawbar.vehicle.parameters import Mast, VehicleParameters
+
+_SPAN = 2.0
+"""that the mean covers, s"""
+_LIMIT, _LEAN = 0.15, 0.05
+"""of the mean difference, m, and of the height of a mast whose pitch is not measured, in addition"""
+
+
+class AntennaDistance:
+    """Mean difference of the distances over the last samples."""
+
+    def __init__(self, vehicle: VehicleParameters, sample_time: float) -> None:
+        """Begin without a sample; `sample_time` in s."""
+        self._lengths = Lengths(**{each.name: getattr(vehicle, each.name) for each in fields(Lengths)})
+        self._masts = vehicle.masts
+        self._differences = deque[float](maxlen=max(round(_SPAN / sample_time), 1))
+
+    def update(self, record: StepRecord) -> bool:
+        """Update with a step; return whether the distance is wrong. One without both antennas begins anew."""
+        m, found = record.measurement, record.estimate
+        angles = (0.0, -found.hitch_angle - found.trailer_steering, found.trailer_steering)
+        expected = math.hypot(*(float(each) for each in trailer_antenna(self._lengths, 0.0, 0.0, *angles)))
+        x, y = _ground(m.tractor_x, m.tractor_y, found.tractor, self._masts.tractor, m.tractor_roll, m.tractor_pitch)
+        u, v = _ground(m.trailer_x, m.trailer_y, found.trailer, self._masts.trailer, m.trailer_roll, m.trailer_pitch)
+        difference = math.hypot(u - x, v - y) - expected
+        believed = found.tractor_fix is found.trailer_fix is FixStatus.ACCEPTED
+        if not (believed and found.status is SolverStatus.SOLVED and math.isfinite(difference)):
+            self._differences.clear()
+            return False
+        self._differences.append(difference)
+        pitches = ((self._masts.tractor.up, m.tractor_pitch), (self._masts.trailer.up, m.trailer_pitch))
+        limit = _LIMIT + _LEAN * sum(up for up, pitch in pitches if math.isnan(pitch))
+        full = len(self._differences) == self._differences.maxlen
+        return full and abs(fmean(self._differences)) > limit
+
+
+def _ground(x: float, y: float, body: Pose, mast: Mast, roll: float, pitch: float) -> tuple[float, float]:
+    """Return where the point below an antenna is that is measured at (x, y), m."""
+    lean, tilt = (
+        angle if math.isfinite(angle) else 0.0 for angle in (roll - mast.roll_offset, pitch - mast.pitch_offset)
+    )
+    east, north = arm_offset(body.yaw, lean, tilt, mast.arm)
+    return x - east, y - north
