@@ -1,5 +1,6 @@
 """What watches a run's sense, by itself."""
 
+import math
 from ctypes import byref
 
 from alone import Alone
@@ -18,10 +19,19 @@ class Sanity(Alone):
         super().__init__(sanity_unit(VehicleParameters(), settings or SanitySettings(), position=position))
 
     def look(
-        self, measurement: Measurement, estimate: Estimate, tractor: BodyReference, trailer: BodyReference
+        self,
+        measurement: Measurement,
+        estimate: Estimate,
+        tractor: BodyReference,
+        trailer: BodyReference,
+        departure: float = math.nan,
     ) -> tuple[int, float]:
-        """Return 0 or the status with which the run ends, and the part of the set speed that may be driven."""
+        """Return 0 or the status with which the run ends, and the part of the set speed that may be driven.
+
+        departure: of the yaw by fixes and angles from the yaw rate, rad.
+        """
         share = Real()
         references = [byref(CBodyReference.of(each)) for each in (tractor, trailer)]
-        status = self.call("look", given(measurement), given(measurement), given(estimate), *references, byref(share))
+        seen = (given(measurement), given(measurement), given(estimate), *references)
+        status = self.call("look", *seen, Real(departure), byref(share))
         return status, share.value

@@ -247,12 +247,19 @@ def test_a_coarse_fix_that_scatters_is_no_motion(told: float, position: float) -
         assert sanity.look(seen, estimate(), beside(0.0), beside(0.0))[0] in (0, Status.COARSE)
 
 
-def hitch_statuses(angles: Iterable[tuple[float, float]]) -> list[int]:
-    """Return the status after each sample with these hitch angles, measured and estimated."""
+def hitch_statuses(angles: Iterable[tuple[float, float]], departure: float = math.nan) -> list[int]:
+    """Return the status after each sample with these hitch angles, measured and estimated.
+
+    departure: of the yaw by fixes and angles from the yaw rate, rad.
+    """
     sanity = Sanity()
     return [
         sanity.look(
-            replace(measurement(k), hitch_angle=told), replace(estimate(), hitch_angle=true), beside(0.0), beside(0.0)
+            replace(measurement(k), hitch_angle=told),
+            replace(estimate(), hitch_angle=true),
+            beside(0.0),
+            beside(0.0),
+            departure,
         )[0]
         for k, (told, true) in enumerate(angles)
     ]
@@ -274,6 +281,15 @@ def test_a_lasting_difference_of_hitch_and_joint_is_held_against_what_is_usual_o
     assert SAMPLE * (statuses.index(Status.HITCH) - 400) <= 1.6
     rough = [(float(each), 0.0) for each in np.repeat(rng.normal(0.0, 0.025, 400), 5)]  # lasts for a second each
     assert set(hitch_statuses([*rough, *[(0.06, 0.0)] * 20])) == {0}
+
+
+def test_a_contradiction_that_the_yaw_rate_does_not_share_may_last_three_times_as_long() -> None:
+    wet = [(0.0, 0.0)] * 50 + [(0.07, 0.0)] * 7 + [(0.0, 0.0)] * 50
+    assert set(hitch_statuses(wet, departure=0.035)) == {0}  # wheels that slip on a wet patch
+    assert Status.HITCH in hitch_statuses(wet, departure=0.05)
+    assert Status.HITCH in hitch_statuses(wet)
+    lasting = hitch_statuses([(0.0, 0.0)] * 50 + [(0.07, 0.0)] * 20, departure=0.035)
+    assert 2.1 < SAMPLE * (lasting.index(Status.HITCH) - 50) < 3.0
 
 
 @pytest.mark.parametrize("speed", [1.0, 2.0])

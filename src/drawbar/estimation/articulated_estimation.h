@@ -7,6 +7,7 @@
 #include "at_rest.h"
 #include "slide.h"
 
+#define YAW_RATE_OUTPUT Y_TRACTOR_YAW_RATE  /* weighed with the fixes, see fix_weights.h */
 #define FIRST_SLIDE (CONSTANTS - 4)        /* place among the constants: slide_east, slide_north, creep, then the sample time */
 
 struct estimation_model {

@@ -10,7 +10,14 @@
 #include "rti.h"
 #include "signals.h"
 
+#define COARSE_WEIGHTS 0.1                 /* standard deviation of both fixes beyond which no bias of the yaw rate shows, m */
+#define COARSE_YAW_RATE 0.3                /* square root of the factor on the yaw rate's weight then */
+
+#ifdef YAW_RATE_OUTPUT
+#define FIX_OUTPUTS 5
+#else
 #define FIX_OUTPUTS 4
+#endif
 
 struct fix_weights {
     double nominal[FIX_OUTPUTS];
@@ -18,7 +25,12 @@ struct fix_weights {
     int32_t initialised;
 };
 
-static const int fix_output[FIX_OUTPUTS] = {Y_TRACTOR_X, Y_TRACTOR_Y, Y_TRAILER_X, Y_TRAILER_Y};
+static const int fix_output[FIX_OUTPUTS] = {
+    Y_TRACTOR_X, Y_TRACTOR_Y, Y_TRAILER_X, Y_TRAILER_Y,
+#ifdef YAW_RATE_OUTPUT
+    YAW_RATE_OUTPUT,
+#endif
+};
 
 /* Give all fixes their nominal weights. */
 static SELDOM void fix_weights_reset(struct fix_weights *weights, struct rti *rti)
@@ -39,9 +51,12 @@ static void fix_weights_set(struct fix_weights *weights, struct rti *rti, int k,
 {
     const double reported[] = {measurement->tractor_fix_deviation, measurement->trailer_fix_deviation};
 
+    const int coarse = fmin(reported[0], reported[1]) > COARSE_WEIGHTS;
+
     for (int i = 0; i < FIX_OUTPUTS; ++i) {
         double *w = &rti->w[k][fix_output[i]];
-        const double ratio = reported[i / 2] > 0.0 ? deviation / reported[i / 2] : 1.0;
+        const double of_fix = i < 4 && reported[i / 2] > 0.0 ? deviation / reported[i / 2] : 1.0;
+        const double ratio = i == 4 && coarse ? COARSE_YAW_RATE : of_fix;
         const double wanted = weights->nominal[i] * ratio * ratio;
         if (*w != wanted)
             rti_reweighted(rti);

@@ -7,6 +7,7 @@
 #include "yaw_rate.h"
 #include "yaw_rate_sensor.h"
 #include "yaw_sensor.h"
+#include "yaw_witness.h"
 #include "yaws_at_rest.h"
 
 #define COARSE_REFERENCE 0.1               /* standard deviation of fixes beyond which there is no reference, m */
@@ -46,9 +47,11 @@ static inline void align_yaw(struct yaw_sensor *sensor, const struct chain *chai
     m->tractor_yaw = yaw_judged(sensor, measured, now, yaw_of_fixes(chain, m));
 }
 
-/* Bring the tractor's yaw rate up to now, without the sensor's errors, in place; NaN where it is excluded. */
-static inline void align_yaw_rate(struct yaw_rate_sensor *sensor, struct rate_history *rates, const struct chain *chain,
-                                  const struct since *since, struct drawbar_measurement *m)
+/* Bring the tractor's yaw rate up to now, without the sensor's errors, in place; NaN where it is excluded. The departure of the
+ * fixes' yaw from it is witnessed even then. */
+static inline void align_yaw_rate(struct yaw_rate_sensor *sensor, struct rate_history *rates, struct yaw_witness *witness,
+                                  double *departure, const struct chain *chain, const struct since *since,
+                                  struct drawbar_measurement *m)
 {
     const double now = wheels_yaw_rate(chain, since->expected);
     const double age = m->tractor_attitude_age - fmin(sensor->latency, 0.0);
@@ -61,6 +64,7 @@ static inline void align_yaw_rate(struct yaw_rate_sensor *sensor, struct rate_hi
     const double turned = wrapped(line_direction(since->expected) - line_direction(since->last));
     const struct yaw_reference reference = {yaw_of_fixes(chain, m), since->elapsed > 0.0 ? turned / since->elapsed : 0.0};
 
+    *departure = yaw_witness_update(witness, reference.yaw, yaw_rate_corrected(sensor, measured), since->elapsed);
     m->tractor_yaw_rate = yaw_rate_judged(sensor, measured, now, &reference, since->elapsed);
 }
 

@@ -21,6 +21,9 @@
 #define HITCH_CLIP 3.0                     /* limits at which a residual is clipped */
 #define HITCH_BASELINE_CLIP 2.0            /* root mean squares at which a mean residual is clipped: no fault may raise them */
 #define HITCH_SPEED 0.1                    /* below which the mean square is not updated, m/s */
+#define HITCH_CONFIRMED (2.6 * DRAWBAR_PI / 180.0) /* departure of the fixes' yaw from the yaw rate below which the angles are
+                                              confirmed: the wheels slip instead, rad, */
+#define HITCH_CONFIRMED_SHARE (1.0 / 3.0)  /* and for how much a contradiction then counts */
 #define HITCH_TURNED 0.5                   /* share of `most` that the estimate turns while a stuck sensor does not, */
 #define HITCH_SHIFTED (1.0 * DRAWBAR_PI / 180.0)   /* and an angle, for a sensor of fine resolution, rad, */
 #define HITCH_OF_PATIENCE 0.5              /* largest share of the patience that one sample counts for */
@@ -85,9 +88,10 @@ static inline double hitch_stuck(struct hitch_watch *watch, double reported, dou
     return frozen->most - frozen->least > least && difference > 0.5 * least ? watch->stuck_time + elapsed : 0.0;
 }
 
-/* Judge a step: 0, or the status with which the run ends. reported: by the sensor; m: brought up to now. */
+/* Judge a step: 0, or the status with which the run ends. reported: by the sensor; m: brought up to now; departure: of the
+ * fixes' yaw from the yaw rate, rad, NaN: unknown. */
 static inline int hitch_look(struct hitch_watch *watch, double reported, const struct drawbar_measurement *m,
-                             const struct drawbar_estimate *estimate, double elapsed)
+                             const struct drawbar_estimate *estimate, double departure, double elapsed)
 {
     if (!watch->initialised) {
         watch->baseline = HITCH_PRIOR * HITCH_PRIOR;
@@ -101,7 +105,8 @@ static inline int hitch_look(struct hitch_watch *watch, double reported, const s
         watch->contradicted_time = watch->stuck_time = 0.0;
         return 0;
     }
-    watch->contradicted_time = differs ? watch->contradicted_time + counts : 0.0;
+    const double share = departure < HITCH_CONFIRMED ? HITCH_CONFIRMED_SHARE : 1.0;
+    watch->contradicted_time = differs ? watch->contradicted_time + share * counts : 0.0;
     watch->stuck_time = hitch_stuck(watch, reported, estimate->hitch_angle, m->speed, counts);
     return fmax(watch->contradicted_time, watch->stuck_time) > watch->patience ? DRAWBAR_HITCH : 0;
 }

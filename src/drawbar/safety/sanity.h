@@ -108,10 +108,11 @@ static inline int32_t swings_of(struct component *sanity, const struct drawbar_e
 }
 
 /* Judge one step, as it was reported and as it was aligned: returns 0 or the status with which the run ends; `share`
- * becomes the part of the set speed that may be driven. */
+ * becomes the part of the set speed that may be driven. departure: see yaw_witness.h, rad. */
 int UNIT(look)(struct component *sanity, const struct drawbar_measurement *reported,
                const struct drawbar_measurement *measurement, const struct drawbar_estimate *estimate,
-               const struct drawbar_body_reference *tractor, const struct drawbar_body_reference *trailer, double *share)
+               const struct drawbar_body_reference *tractor, const struct drawbar_body_reference *trailer, double departure,
+               double *share)
 {
     if (!sanity->initialised) {
         sanity->last_fine = sanity->time = measurement->time;
@@ -119,7 +120,7 @@ int UNIT(look)(struct component *sanity, const struct drawbar_measurement *repor
     }
     const double coarse = without_fine(sanity, measurement, estimate);
     const int backwards = moves_backwards(sanity, measurement, estimate);
-    const int contradiction = hitch_look(&sanity->hitch, reported->hitch_angle, measurement, estimate,
+    const int contradiction = hitch_look(&sanity->hitch, reported->hitch_angle, measurement, estimate, departure,
                                          measurement->time - sanity->time);
     sanity->time = measurement->time;
     const int32_t swings = swings_of(sanity, estimate, tractor, trailer);

@@ -32,6 +32,7 @@ struct component;                          /* another one in each unit */
 int drawbar_alignment_initialise(struct component *component);
 int drawbar_alignment_begin(struct component *component, const struct drawbar_measurement *first,
                             struct drawbar_measurement *aligned);
+void drawbar_alignment_departure(const struct component *component, double *departure);
 void drawbar_alignment_report(const struct component *component, struct drawbar_actuation *found);
 int drawbar_alignment_apply(struct component *component, const struct drawbar_measurement *measurement,
                             const struct drawbar_estimate *last, const struct drawbar_estimate *expected,
@@ -108,7 +109,7 @@ int drawbar_sanity_initialise(struct component *component);
 int drawbar_sanity_look(struct component *component, const struct drawbar_measurement *reported,
                         const struct drawbar_measurement *measurement, const struct drawbar_estimate *estimate,
                         const struct drawbar_body_reference *tractor, const struct drawbar_body_reference *trailer,
-                        double *share);
+                        double departure, double *share);
 
 int drawbar_gate_initialise(struct component *component);
 int drawbar_gate_begin(struct component *component, const struct drawbar_measurement *first);

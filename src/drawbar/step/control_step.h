@@ -184,6 +184,7 @@ static int watch_run(struct autopilot *a, const struct drawbar_measurement *meas
 {
     const struct drawbar_estimate *now = &a->made.estimate;
     const struct drawbar_body_reference *tractor = &a->made.references[TRACTOR_BODY];
+    double departure;
 
     switch (drawbar_run_monitor_watch(COMPONENT(a->run_monitor), now, tractor)) {
     case OFF_COURSE:
@@ -191,8 +192,9 @@ static int watch_run(struct autopilot *a, const struct drawbar_measurement *meas
     case BLIND:
         return DRAWBAR_BLIND;
     default:
+        drawbar_alignment_departure(COMPONENT(a->alignment), &departure);
         return drawbar_sanity_look(COMPONENT(a->sanity), measurement, aligned, now, tractor,
-                                   &a->made.references[TRAILER_BODY], &a->sane);
+                                   &a->made.references[TRAILER_BODY], departure, &a->sane);
     }
 }
 
