@@ -17,7 +17,8 @@ struct component { struct yaw_witness witness; double departure; };
 #define COMPONENT_FIELDS FIELD(component, departure, 0, 1, 0, 0)
 int UNIT(update)(struct component *component, double yaw, double rate, double elapsed)
 {
-    component->departure = yaw_witness_update(&component->witness, yaw, rate, elapsed);
+    yaw_witness_update(&component->witness, yaw, rate, elapsed);
+    component->departure = yaw_witness_departure(&component->witness);
     return 0;
 }
 """

@@ -22,14 +22,13 @@ struct component {
     struct yaw_rate_sensor yaw_rate;       /* the tractor's */
     struct rate_history rates;             /* the tractor's, by the wheels */
     struct yaw_witness witness;
-    double departure;                      /* that it reports, rad */
 };
 
 #define COMPONENT_FIELDS                                                                                          \
     FIX_DEVIATIONS_FIELDS(component, deviations) CHAIN_FIELDS(component, chain)                                        \
     SETTING(component, fix_age, 0, 1, 0, 0) POSITION_ALIGNMENT_FIELDS(component, positions)                            \
     SETTING(component, yaw.gate, 0, 1, 0, 0)                                                                           \
-    FIELD(component, yaw.error, 0, 1, 0, 0) FIELD(component, yaw_rate.exclusion, 0, 1, 0, 0) FIELD(component, departure, 0, 1, 0, 0)
+    FIELD(component, yaw.error, 0, 1, 0, 0) FIELD(component, yaw_rate.exclusion, 0, 1, 0, 0)
 
 /* The age of a fix, s, with the estimated latency; NaN: too old, or of the future. */
 static inline double age_of_fix(const struct component *alignment, double reported)
@@ -137,7 +136,7 @@ void UNIT(report)(const struct component *alignment, struct drawbar_actuation *f
 /* The largest recent departure of the fixes' yaw from the yaw rate, rad; NaN: unknown. */
 void UNIT(departure)(const struct component *alignment, double *departure)
 {
-    *departure = alignment->departure;
+    *departure = yaw_witness_departure(&alignment->witness);
 }
 
 /* Align a measurement; returns 0 or the status with which the run ends. last: the newest estimate; expected: the one that
@@ -171,8 +170,8 @@ int UNIT(apply)(struct component *alignment, const struct drawbar_measurement *m
     judge_deviations(alignment, expected, aligned);
     align_angles(&since, aligned);
     align_yaw(&alignment->yaw, &alignment->chain, &since, aligned);
-    align_yaw_rate(&alignment->yaw_rate, &alignment->rates, &alignment->witness, &alignment->departure, &alignment->chain,
-                   &since, aligned);
+    align_yaw_rate(&alignment->yaw_rate, &alignment->rates, &alignment->witness, &alignment->chain, &since,
+                   aligned);
     const int present[] = {attitude_is_new(&positions->tracks[ALIGNED_TRACTOR], since.now),
                            attitude_is_new(&positions->tracks[ALIGNED_TRAILER], since.now)};
     return lean_watch_look(&positions->leans, present, since.elapsed);

@@ -50,8 +50,7 @@ static inline void align_yaw(struct yaw_sensor *sensor, const struct chain *chai
 /* Bring the tractor's yaw rate up to now, without the sensor's errors, in place; NaN where it is excluded. The departure of the
  * fixes' yaw from it is witnessed even then. */
 static inline void align_yaw_rate(struct yaw_rate_sensor *sensor, struct rate_history *rates, struct yaw_witness *witness,
-                                  double *departure, const struct chain *chain, const struct since *since,
-                                  struct drawbar_measurement *m)
+                                  const struct chain *chain, const struct since *since, struct drawbar_measurement *m)
 {
     const double now = wheels_yaw_rate(chain, since->expected);
     const double age = m->tractor_attitude_age - fmin(sensor->latency, 0.0);
@@ -64,7 +63,7 @@ static inline void align_yaw_rate(struct yaw_rate_sensor *sensor, struct rate_hi
     const double turned = wrapped(line_direction(since->expected) - line_direction(since->last));
     const struct yaw_reference reference = {yaw_of_fixes(chain, m), since->elapsed > 0.0 ? turned / since->elapsed : 0.0};
 
-    *departure = yaw_witness_update(witness, reference.yaw, yaw_rate_corrected(sensor, measured), since->elapsed);
+    yaw_witness_update(witness, reference.yaw, yaw_rate_corrected(sensor, measured), since->elapsed);
     m->tractor_yaw_rate = yaw_rate_judged(sensor, measured, now, &reference, since->elapsed);
 }
 

@@ -16,34 +16,38 @@
 #define WITNESS_GAP 1.0                    /* for how long the yaw may be missing, s */
 
 struct yaw_witness {
-    double integral, last;                 /* of the yaw rate, rad; its last value, rad/s */
-    double level, mean;                    /* lasting difference; mean departure from it, rad */
-    double largest;                        /* magnitude of that lately, rad */
+    double expected;                       /* yaw by the integral of the yaw rate and the lasting difference, rad */
+    double rate;                           /* the last yaw rate, rad/s */
+    double mean, largest;                  /* mean departure from what is expected; its magnitude lately, rad */
     double known, missing;                 /* for how long both have been there, and the yaw has not, s */
 };
 
-/* The largest recent departure, rad; NaN where the yaw rate or, for longer, the yaw is missing, or both are too new. yaw: by fixes
- * and angles, rad; rate: rad/s. */
-static inline double yaw_witness_update(struct yaw_witness *witness, double yaw, double rate, double elapsed)
+/* The largest recent departure, rad; NaN where the yaw rate or, for longer, the yaw is missing, or both are too new. */
+static inline double yaw_witness_departure(const struct yaw_witness *witness)
+{
+    return witness->known > WITNESS_LEVEL ? witness->largest : (double)NAN;
+}
+
+/* Update with the yaw by fixes and angles, rad, and the yaw rate, rad/s. */
+static inline void yaw_witness_update(struct yaw_witness *witness, double yaw, double rate, double elapsed)
 {
     witness->missing = isfinite(yaw) ? 0.0 : witness->missing + elapsed;
     if (!isfinite(rate) || !(elapsed > 0.0) || witness->missing > WITNESS_GAP)
         witness->known = 0.0;
     else if (!(witness->known > 0.0))
-        *witness = (struct yaw_witness){.integral = yaw, .known = isfinite(yaw) ? elapsed : 0.0};
+        *witness = (struct yaw_witness){.expected = yaw, .known = isfinite(yaw) ? elapsed : 0.0};
     else {
-        witness->integral += 0.5 * (rate + witness->last) * elapsed;
+        witness->expected += 0.5 * (rate + witness->rate) * elapsed;
         witness->known += elapsed;
     }
-    witness->last = rate;
-    const double difference = wrapped(yaw - witness->integral - witness->level);
+    witness->rate = rate;
+    const double difference = wrapped(yaw - witness->expected);
 
     if (witness->known > 0.0 && isfinite(difference)) {
-        witness->level -= expm1(-elapsed / fmin(WITNESS_LEVEL, witness->known)) * difference;
+        witness->expected -= expm1(-elapsed / fmin(WITNESS_LEVEL, witness->known)) * difference;
         witness->mean -= expm1(-elapsed / WITNESS_MEAN) * (difference - witness->mean);
         witness->largest = fmax(exp(-elapsed / WITNESS_HOLD) * witness->largest, fabs(witness->mean));
     }
-    return witness->known > WITNESS_LEVEL ? witness->largest : (double)NAN;
 }
 
 #endif

@@ -11,7 +11,7 @@
 #include "onto_line.h"
 #include "signals.h"
 
-#define APPROACH_NODES 256                 /* longest track, in pieces of up to 0.25 m */
+#define APPROACH_NODES 240                 /* longest track, in pieces of up to 0.25 m */
 #define APPROACH_TIGHTER 1.4               /* how much tighter than their limit turns may become beside a curve */
 #define APPROACH_LOOK (DRAWBAR_PI / 4.0)   /* between the directions in which an arc is looked at, rad */
 #define APPROACH_LOOKS 18                  /* of them in a turn, at most */

@@ -26,8 +26,8 @@ struct component {
     double furthest[BODIES];               /* progress so far, m */
     double approached;                     /* progress on the approach, m */
     struct approach approach;
-    int32_t joined;                        /* the joins are laid: else the next references begin there */
-    struct offset_shift joins[BODIES];     /* of each body, onto the line from where it began beside it; change 0: none */
+    struct offset_shift joins[BODIES];     /* of each body, onto the line from where it began beside it; change 0: none,
+                                              length 0: to be laid with the next references */
 };
 
 #define WORK struct onto_line              /* what the search for turns borrows, see workspace.h */
@@ -39,7 +39,7 @@ struct component {
 /* Let the next references lead onto the line from where the bodies then are. */
 void UNIT(rejoin)(struct component *component)
 {
-    component->joined = 0;
+    component->joins[TRACTOR].length = component->joins[TRAILER].length = 0.0;
 }
 
 /* Forget where the bodies were on a path. */
@@ -144,12 +144,11 @@ static void preview_lay_joins(struct component *component, struct drawbar_body_r
 {
     for (int i = 0; i < BODIES; ++i) {
         struct offset_shift *join = &component->joins[i];
-        if (!component->joined)
+        if (join->length == 0.0)
             *join = preview_join(component, i, references[i]->lateral_error, speed);
         if (component->approach.count > 0 || component->furthest[i] > join->start + join->length)
             join->change = 0.0;
     }
-    component->joined = 1;
 }
 
 /* Lead a sample of the line, at an arc length (m), onto the join. Returns how much faster that continues than the line. */
