@@ -19,7 +19,7 @@ EIGHT = figure_eights((8.0,), 20.0)
 STRAIGHT = figure_eights((8.0,), 400.0)
 ANGLES = (0.02, 0.3, 1.0, math.pi, 5.0)
 STARTS = [(0.0, math.pi), (0.0, -2.5), (1.5, 2.0), (-1.0, -2.4), (0.0, 1.5), (2.0, 0.0)]
-NODES = 256
+NODES = 240
 SOURCE = """
 #include "approach.h"
 void turn(const struct turn_limits *limits, double angle, double found[3])
