@@ -30,6 +30,8 @@ def main() -> None:
             signal.signal(signal.SIGINT, interrupt)
         from drawbar.cli.main import main as program  # takes a while
 
+        if interrupted:  # and whatever ran at that instant, such as a destructor, dropped it
+            raise KeyboardInterrupt
         program()
     except SystemExit as end:
         if end.code == _INTERRUPTED:

@@ -104,6 +104,18 @@ class Tell:  # that the command line is about to load
             print("loads", flush=True)
 sys.meta_path.insert(0, Tell())
 """
+_DROPPED = """
+class Ends:  # what is raised in a destructor is dropped
+    def __del__(self):
+        signal.raise_signal(signal.SIGINT)
+class Drop:
+    def find_spec(self, name, path=None, target=None):
+        if name == "drawbar.cli.main":
+            print("loads", flush=True)
+            sys.unraisablehook = lambda dropped: None
+            Ends()
+sys.meta_path.insert(0, Drop())
+"""
 _IN_CASADI = """
 import casadi
 def interrupt(*given, whole=casadi.DM_from_array):  # casadi drops what is raised here
@@ -138,8 +150,8 @@ def test_a_second_interrupt_while_python_ends_says_nothing_more() -> None:
 @pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
 @pytest.mark.parametrize(
     ("prepare", "seconds"),
-    [(_TELLS, 0.0), (_TELLS, 0.2), (_TELLS, 0.8), (_IN_CASADI, None)],
-    ids=["at once", "0.2 s", "0.8 s", "in casadi"],
+    [(_TELLS, 0.0), (_TELLS, 0.2), (_TELLS, 0.8), (_DROPPED, None), (_IN_CASADI, None)],
+    ids=["at once", "0.2 s", "0.8 s", "dropped", "in casadi"],
 )
 def test_an_interrupt_while_the_program_loads_is_one_line(tmp_path: Path, prepare: str, seconds: float | None) -> None:
     program = f"import signal, sys, drawbar.__main__ as program\n{prepare}\nprogram.main()"

@@ -50,10 +50,11 @@ INITIALISE(sanity)
 int drawbar_sanity_look(struct component *component, const struct drawbar_measurement *reported,
                         const struct drawbar_measurement *measurement, const struct drawbar_estimate *estimate,
                         const struct drawbar_body_reference *tractor, const struct drawbar_body_reference *trailer,
-                        double *share)
+                        double departure, double *share)
 {
     (void)component;
     (void)reported;
+    (void)departure;
     (void)estimate;
     (void)tractor;
     (void)trailer;
@@ -75,6 +76,12 @@ void drawbar_alignment_report(const struct component *component, struct drawbar_
 {
     (void)component;
     (void)found;
+}
+
+void drawbar_alignment_departure(const struct component *component, double *departure)
+{
+    (void)component;
+    *departure = (double)NAN;
 }
 
 int drawbar_alignment_apply(struct component *component, const struct drawbar_measurement *measurement,
