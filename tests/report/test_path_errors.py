@@ -156,3 +156,12 @@ def test_a_pass_driven_the_other_way_is_found_where_it_is() -> None:
     found = _project_stretches(path, track, near, np.zeros(40, dtype=bool))
     np.testing.assert_allclose(found.error, 3.0, atol=1e-9)
     np.testing.assert_allclose(found.progress, track[:, 0], atol=1e-6)
+
+
+@pytest.mark.parametrize("start", ["start.left=2.5", "start.left=-3.0", "start.yaw=1.5708"])
+def test_a_run_that_begins_beside_the_crossing_is_judged_on_the_branch_that_it_follows(start: str) -> None:
+    log = driven(start, nudge=0.0)
+    true = true_path_errors(log)
+    for body, errors in (("tractor", true.tractor), ("trailer", true.trailer)):
+        estimated = np.array([getattr(record.reference, body).lateral_error for record in log.records])
+        assert np.abs(errors.error - estimated).max() < 0.2

@@ -20,7 +20,9 @@ T = TypeVar("T")
 _BEHIND, _AHEAD = 1.0, 3.0
 """m around the last closest point that are searched: the path crosses itself, a global search would jump"""
 _NEAR = 2.0
-"""m from the place that the controller tells, within which the search finds the track"""
+"""m along the path from the place that the controller tells, within which the search finds the track"""
+_ASIDE = 10.0
+"""m beside that place, beyond which it is another path's"""
 _PLACES = 0.25
 """between two places of the path that are looked at for the nearest one, m"""
 _ROUNDS = 5
@@ -95,7 +97,9 @@ def _start(path: Path, track: Floats, near: Floats) -> float:
     if not known.size:
         return start
     place = track[known[0]]
-    if np.linalg.norm(path.sample(np.array(start))[:2] - place) <= _NEAR:
+    x, y, yaw, _ = path.sample(np.array(start))
+    away = complex(*(place - (x, y))) * np.exp(-1j * yaw)
+    if abs(away.real) <= _NEAR and abs(away.imag) <= _ASIDE:
         return start
     arc_lengths = np.arange(0.0, path.length, _PLACES)
     distances = np.linalg.norm(path.sample(arc_lengths)[:, :2] - place, axis=1)
