@@ -9,6 +9,7 @@ from drawbar.protocols.isobus.guidance import GuidanceValve
 from drawbar.protocols.isobus.guidance_messages import (
     MACHINE_INFO,
     SYSTEM_COMMAND,
+    ExitReason,
     Intention,
     MachineInfo,
     decode_command,
@@ -27,6 +28,8 @@ GOOD = MachineInfo(
     curvature=0.1, locked_out=False, ready=True, in_position=True, reset_required=False, limit=0, exit_reason=0
 )
 WHEELBASE = 1.4
+PASSING = [ExitReason.OPERATOR_PRESENCE, ExitReason.OPERATOR_OVERRIDE, ExitReason.COMMAND_TIMEOUT, ExitReason.TOO_FAST]
+"""reasons that are over once the valve says that it is ready"""
 
 
 class Bench:

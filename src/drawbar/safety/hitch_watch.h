@@ -22,7 +22,7 @@
 #define HITCH_BASELINE_CLIP 2.0            /* root mean squares at which a mean residual is clipped: no fault may raise them */
 #define HITCH_SPEED 0.1                    /* below which the mean square is not updated, m/s */
 #define HITCH_CONFIRMED (2.6 * DRAWBAR_PI / 180.0) /* departure of the fixes' yaw from the yaw rate below which the angles are
-                                              confirmed: the wheels slip instead, rad, */
+                                              confirmed: the wheels slip instead, rad */
 #define HITCH_CONFIRMED_SHARE (1.0 / 3.0)  /* and for how much a contradiction then counts */
 #define HITCH_TURNED 0.5                   /* share of `most` that the estimate turns while a stuck sensor does not, */
 #define HITCH_SHIFTED (1.0 * DRAWBAR_PI / 180.0)   /* and an angle, for a sensor of fine resolution, rad, */

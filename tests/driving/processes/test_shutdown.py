@@ -72,6 +72,7 @@ def test_it_ends_where_its_starter_was_killed(ended: Path) -> None:
 def test_it_ends_where_its_starter_ended_while_it_still_started(ended: Path) -> None:
     subprocess.run([sys.executable, "-c", HASTY_STARTER, LATE_CHILD, str(ended)], check=True, timeout=30.0)
     wait_for(ended)
+    assert ended.exists()
 
 
 def test_a_processs_expected_error_is_its_message_alone(capsys: pytest.CaptureFixture[str]) -> None:

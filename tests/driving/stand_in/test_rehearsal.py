@@ -6,11 +6,12 @@ import random
 import numpy as np
 import pytest
 from isobus_devices import isobus_devices
+from rehearsals import SEED, drive_until, errors, rehearse, released_after
 
 from drawbar.benchmark.paced_drives import EXACT
 from drawbar.config import load_configuration
 from drawbar.driving.stand_in.demonstration import with_stand_ins
-from drawbar.driving.stand_in.rehearsal import Part, Rehearsal
+from drawbar.driving.stand_in.rehearsal import Part
 from drawbar.geometry import wrap
 from drawbar.machine.hardware.receiver import ReceiverSettings
 from drawbar.machine.stand_in.breaking import moved, report_otherwise
@@ -21,29 +22,7 @@ from drawbar.messages import Action, ControllerState, SupervisorState
 from drawbar.protocols.gnss.settings import AntennaSettings
 from drawbar.safety.causes import Cause
 from drawbar.signals import FixQuality, Flag
-from drawbar.simulation import build_path, simulate
-
-SEED = 3
-
-
-def rehearse(*changes, devices=None):
-    configuration = load_configuration("articulated", ["path.radii=[8.0]", "safety.engage.wiggle_test=false", *changes])
-    configuration = configuration.model_copy(update={"devices": devices})
-    path, _ = build_path(configuration)
-    return Rehearsal(configuration, path, SEED, configuration.safety), path
-
-
-def errors(steps, path):
-    """Return true distances (n, 2) of both bodies from the path while engaged, m."""
-    found, near = [], [0.0, 0.0]
-    for record, truth in steps:
-        if not record.flags & Flag.RELEASED and record.status.is_new_command:
-            row = []
-            for body, pose in enumerate((truth.tractor, truth.trailer)):
-                near[body], error = path.project(pose.x, pose.y, near[body] - 5.0, near[body] + 5.0)
-                row.append(error)
-            found.append(row)
-    return np.abs(np.array(found))
+from drawbar.simulation import simulate
 
 
 @pytest.fixture(scope="module")
@@ -114,22 +93,6 @@ def test_before_it_is_engaged_nothing_is_steered(whole):
             assert math.isnan(state.tractor_set_point)
         if state.state in (SupervisorState.STANDBY, SupervisorState.READY):
             assert truth.tractor_steering == pytest.approx(0.0, abs=1e-6)
-
-
-def drive_until(rehearsal, state, longest=40.0):
-    for _ in rehearsal.run(longest):
-        if rehearsal.gate_state.state is state:
-            return
-    raise AssertionError(f"{state.name} was not reached; {rehearsal.gate_state}")
-
-
-def released_after(rehearsal, longest):
-    """Return the time until the gate steers no more, s."""
-    begin = rehearsal.time
-    while rehearsal.gate_state.steers and rehearsal.time < begin + longest:
-        rehearsal.advance()
-    assert not rehearsal.gate_state.steers
-    return rehearsal.time - begin
 
 
 def test_a_driver_who_halts_in_a_curve_and_drives_on_is_steered_all_the_time():
@@ -316,62 +279,6 @@ def test_a_rehearsal_is_the_same_each_time():
         return [record.command for record, _ in rehearsal.run(20.0)]
 
     assert some() == some()
-
-
-@pytest.fixture(scope="module")
-def on_the_bus():
-    rehearsal, path = rehearse(devices=isobus_devices())
-    return rehearsal, path, list(rehearsal.run(40.0))
-
-
-def test_isobus_steers_and_drives_by_nmea_2000(on_the_bus):
-    rehearsal, path, steps = on_the_bus
-    assert rehearsal.gate_state.state is SupervisorState.ACTIVE
-    assert rehearsal.gate_state.engaged == 7
-    assert steps[-1][1].speed == pytest.approx(steps[-1][0].command.speed, abs=0.02)
-    driven = errors(steps, path)
-    assert len(driven) > 120
-    assert driven.mean() < 0.02
-    assert driven.max() < 0.06
-    assert all(not valve.exits for valve in rehearsal.machine.can.valves.values())
-
-
-@pytest.mark.parametrize("phase", [0.0, 0.05, 0.1, 0.15])
-def test_a_tractor_that_is_engaged_while_it_rolls_is_not_braked(phase):
-    rehearsal, _ = rehearse("safety.engage.fixed=1.0", devices=isobus_devices())
-    asked, send = [], rehearsal.gate.wires.send
-
-    def watched(time, steering, speed):
-        asked.append(speed.speed if speed.drive else math.nan)
-        return send(time, steering, speed)
-
-    rehearsal.gate.wires.send = watched
-    rehearsal._look += phase
-    while rehearsal.gate_state is None or rehearsal.gate_state.state is not SupervisorState.ACTIVE:
-        rehearsal.advance()
-        assert rehearsal.time < 30.0
-    list(rehearsal.run(1.0))
-    assert np.nanmin(asked) > 0.1
-
-
-def test_the_tractor_stops_by_the_bus_when_asked_to_and_stays(on_the_bus):
-    rehearsal, _, _ = on_the_bus
-    drive_until(rehearsal, SupervisorState.ACTIVE)
-    rehearsal.ask(Action.STOP)
-    assert 1.0 < released_after(rehearsal, 12.0) < 12.0
-    assert rehearsal.gate_state.state is SupervisorState.STOPPED
-    assert rehearsal.machine.can.tractor.commanded(rehearsal.time) == 0.0
-    assert rehearsal.machine.world.truth.speed == pytest.approx(0.0, abs=0.02)
-
-
-def test_an_operator_at_the_tractors_pedal_takes_over():
-    rehearsal, _ = rehearse(devices=isobus_devices())
-    drive_until(rehearsal, SupervisorState.ACTIVE)
-    rehearsal.machine.can.tractor.operator_drives = True
-    assert released_after(rehearsal, 1.0) < 0.3
-    assert rehearsal.gate_state.state is SupervisorState.OVERRIDE
-    for _ in rehearsal.run(1.0):
-        assert not any(valve.engaged for valve in rehearsal.machine.can.valves.values())
 
 
 def test_the_line_is_nudged_while_driving_and_another_one_chosen_after_a_stop():

@@ -5,7 +5,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 import pytest
-from isobus_bench import GOOD, NAME, OWN, VALVE, WHEELBASE, Bench
+from isobus_bench import GOOD, NAME, OWN, PASSING, VALVE, WHEELBASE, Bench
 
 from drawbar.protocols.actuator import Readiness
 from drawbar.protocols.isobus.address import CLAIM
@@ -29,7 +29,6 @@ from drawbar.transports.base import CanFrame
 OFF, ON = Intention.NOT_INTENDED, Intention.INTENDED
 STRONGER = Name(identity=1, manufacturer=1407, function=29, device_class=1)
 UNAVAILABLE = MachineInfo()
-PASSING = [ExitReason.OPERATOR_PRESENCE, ExitReason.OPERATOR_OVERRIDE, ExitReason.COMMAND_TIMEOUT, ExitReason.TOO_FAST]
 ENDINGS = [
     ({"locked_out": True}, Readiness.LOCKED_OUT),
     ({"ready": False}, Readiness.NOT_READY),
@@ -172,55 +171,6 @@ def test_a_state_of_the_valve_refuses_to_engage(change: dict[str, object], cause
     assert {what for _, what in bench.run(0.5, steer=True)} == {OFF}
     bench.info = GOOD
     latched_off(bench)
-
-
-@pytest.mark.parametrize("reason", PASSING)
-def test_an_exit_reason_that_a_ready_valve_keeps_is_over_after_a_second(reason: ExitReason) -> None:
-    bench = Bench()
-    bench.run(1.5)
-    bench.info = replace(GOOD, exit_reason=reason)
-    bench.run(0.9)
-    assert bench.valve.report(bench.time).readiness is not Readiness.READY
-    bench.run(0.4)
-    assert bench.valve.report(bench.time).readiness is Readiness.READY
-    assert {what for _, what in bench.run(0.2, steer=True)} == {ON}
-    bench.info = GOOD
-    assert {what for _, what in bench.run(2.0, steer=True)} == {ON}
-    bench.info = replace(GOOD, exit_reason=reason)
-    assert [what for _, what in bench.run(0.5, steer=True)][1:] == [OFF] * 4
-
-
-@pytest.mark.parametrize("change", [{"ready": False}, {"in_position": False}, {"locked_out": True}])
-def test_an_exit_reason_of_a_valve_that_is_not_ready_is_not_over(change: dict[str, object]) -> None:
-    bench = Bench()
-    bench.info = replace(GOOD, exit_reason=ExitReason.OPERATOR_OVERRIDE, **change)
-    bench.run(4.0)
-    assert bench.valve.report(bench.time).readiness is Readiness.OVERRIDDEN
-
-
-def test_a_valve_that_steers_must_clear_its_exit_reason_within_half_a_second() -> None:
-    bench = Bench()
-    bench.info = replace(GOOD, exit_reason=ExitReason.OPERATOR_OVERRIDE)
-    bench.run(2.0)
-    said = bench.run(1.5, steer=True)
-    begun = said[0][0]
-    assert {what for time, what in said if time <= begun + 0.5} == {ON}
-    assert {what for time, what in said if time > begun + 0.7} == {OFF}
-    assert bench.valve.report(bench.time).overridden
-
-
-def test_another_exit_reason_is_news_again() -> None:
-    bench = Bench()
-    bench.info = replace(GOOD, exit_reason=ExitReason.OPERATOR_OVERRIDE)
-    bench.run(2.0)
-    bench.info = replace(GOOD, exit_reason=ExitReason.COMMAND_TIMEOUT)
-    bench.run(0.5)
-    assert bench.valve.report(bench.time).readiness is Readiness.NOT_READY
-    bench.info = None
-    bench.run(0.5)
-    bench.info = replace(GOOD, exit_reason=ExitReason.COMMAND_TIMEOUT)
-    bench.run(0.9)
-    assert bench.valve.report(bench.time).readiness is not Readiness.READY
 
 
 def test_it_is_engaged_only_once_the_valve_has_answered() -> None:
