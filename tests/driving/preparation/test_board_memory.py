@@ -80,9 +80,9 @@ def sensor_board(speed):
     def send():
         begin = time.monotonic()
         while speed is not None and not stop.wait(0.05):
-            elapsed = time.monotonic() - begin
-            pulses = round(elapsed * speed * PULSES_PER_METRE) % 2**32
-            own.sendto(own_sentence("PDBS", round(elapsed * 1e3), None, pulses), ("127.0.0.1", port))
+            milliseconds = int((time.monotonic() - begin) / 0.05) * 50  # whole pulses at each time: the speed is exact
+            pulses = round(milliseconds * speed * PULSES_PER_METRE / 1e3) % 2**32
+            own.sendto(own_sentence("PDBS", milliseconds, None, pulses), ("127.0.0.1", port))
 
     thread = threading.Thread(target=send)
     thread.start()
