@@ -1,5 +1,6 @@
 """`drawbar drive`: drive a real machine, or stand-ins of all its devices on this computer."""
 
+import sys
 import time
 from contextlib import ExitStack
 from pathlib import Path as FilePath
@@ -11,6 +12,7 @@ from drawbar.cli.options import ConfigurationName, Pace, changing, compiling, co
 from drawbar.cli.pages import Pages, address, free_port, takes_pages
 
 LOCAL = "127.0.0.1"
+NO_KEYS = "standard input is no terminal: no key is read; use a terminal, or --console"
 
 if TYPE_CHECKING:
     from drawbar.cli.interrupts import Interrupts
@@ -109,6 +111,8 @@ def _run(
         _tell_said(processes.output())
         if options is not None:
             console.print(f"the console is at {address(options)}", soft_wrap=True)
+        elif not (demonstrates or sys.stdin.isatty()):
+            console.print(NO_KEYS, style="yellow", soft_wrap=True)
         return _drive(processes, interrupts, demonstrates=demonstrates, seconds=seconds)
 
 

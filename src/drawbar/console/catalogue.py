@@ -153,6 +153,10 @@ TEXTS: Mapping[str, tuple[str, str]] = {
     "end_curve": ("■ End and save", "■ Beenden und speichern"),
     "drop_curve": ("Discard", "Verwerfen"),
     "curve": ("Curve", "Kurve"),
+    "no_yaw": (
+        "Drive on: where the tractor faces is not known",
+        "Weiterfahren: wohin der Traktor zeigt, ist unbekannt",
+    ),
     "no_position": ("Waiting for an RTK-fixed position", "Warte auf RTK-Fix"),
     "recording_points": ("Recording: {count} points", "Aufnahme: {count} Punkte"),
     "recording_full": (

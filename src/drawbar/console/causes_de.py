@@ -105,7 +105,7 @@ CAUSES_DE: Mapping[Cause, tuple[str, str]] = {
         "Sensor und Motor sind beide verkehrt herum: beide Vorzeichen ändern, dann drawbar check --wiggle"),
     Cause.SILENT: ("eine Lenkung meldet sich nicht",
         "Strom, Kabel und Adresse prüfen"),
-    Cause.TOO_NEW: ("eine Lenkung meldet sich erst seit weniger als einer Sekunde",
+    Cause.TOO_NEW: ("eine Lenkung meldet sich erst seit weniger als einer Sekunde, oder wurde eben freigegeben",
         "warten; wenn sie von selbst neu gestartet ist, den Strom prüfen"),
     Cause.SWITCHED_ON: ("eine Lenkung lenkt schon, oder ihr Schalter ist an",
         "diese Lenkung ausschalten"),

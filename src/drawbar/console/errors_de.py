@@ -195,6 +195,8 @@ ERRORS_DE: Mapping[str, str] = {
         "kleineren erlauben, oder eine andere Linie wählen",
     "the tractor's receiver has no RTK-fixed position now; wait for one":
         "Der Empfänger des Traktors hat jetzt keinen RTK-Fix; darauf warten",
+    "the antenna is not above the rear axle, and where the tractor faces is not known; drive on":
+        "Die Antenne steht nicht über der Hinterachse, und wohin der Traktor zeigt, ist unbekannt; weiterfahren",
     # what is kept
     "{}: has no field {}; its fields are: {}": "{0}: hat kein Feld {1}; vorhanden sind: {2}",
     "{}: the field cannot be kept there ({})": "{0}: das Feld lässt sich dort nicht speichern ({1})",

@@ -146,7 +146,7 @@ class Cause(Enum):
         "sensor and motor are both the wrong way round: change both signs, then run drawbar check --wiggle")
     SILENT = (411, True, Response.RELEASE, "an actuator reports nothing",
         "check its power, its cable and its address")
-    TOO_NEW = (412, True, Response.RELEASE, "an actuator has reported for less than a second",
+    TOO_NEW = (412, True, Response.RELEASE, "an actuator came up, or was released, less than a second ago",
         "wait; if it came up again by itself, check its power")
     SWITCHED_ON = (413, True, Response.NONE, "an actuator already steers, or its switch is on",
         "turn it off")

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from patience import ENGAGE, PATIENT
 
+from drawbar.cli.drive import NO_KEYS
 from drawbar.driving.messaging.process_options import RECEIVERS
 from drawbar.driving.operator.terminal import TAKE_OVER
 from drawbar.driving.processes.drive_processes import LOSSES
@@ -111,6 +112,13 @@ def test_a_terminal_that_is_closed_ends_a_drive_in_order(terminal, tmp_path):
     assert terminal.drain() == 0
     assert (tmp_path / "run" / "report.html").is_file()
     assert not list((tmp_path / "tmp").glob("drawbar-*"))
+
+
+@pytest.mark.parametrize(("option", "told"), [("--by-hand", True), ("--pace=1", False)])
+def test_a_drive_that_reads_no_keys_says_so_where_they_are_needed(tmp_path, option, told):
+    command = [sys.executable, "-m", "drawbar", "drive", option, "--seconds", "1"]
+    ended = subprocess.run(command, input="e", capture_output=True, text=True, cwd=tmp_path, timeout=ENGAGE)
+    assert (NO_KEYS in ended.stdout) is told, ended.stdout
 
 
 @pytest.mark.parametrize(
