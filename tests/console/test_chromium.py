@@ -279,6 +279,26 @@ def test_a_page_that_is_cut_off_says_that_its_picture_is_old(drive, somebody_els
     assert page.locator("#popup").evaluate("(each) => getComputedStyle(each).display") == "none"
 
 
+LATE = """async ([url, ages]) => {
+  const { data, methods } = (await import(url)).default;
+  const page = { ...data(), ...methods, quickest: Infinity, state: null, $emit() {}, paint() {} };
+  return ages.map((age) => {
+    page.draw({ sent: performance.now() - age, stale: false, state: "ACTIVE", seen: 1, bodies: [], chips: [] });
+    return page.old;
+  });
+}"""
+"""draws pictures that came so much later than the first one, ms, and returns which of them are said to be old"""
+
+
+def test_pictures_that_waited_for_a_frozen_browser_are_old(drive, page):
+    page.goto(drive)
+    page.locator("body:not(.old-picture)").wait_for()
+    (url,) = (each for each in page.asked if "instruments.js" in each)
+    ages = [300.0, 800.0, 60_000.0, 1900.0, 200.0, -60_000.0, -58_000.0, -59_900.0]  # its clock stands while it sleeps
+    old = [False, False, True, True, False, False, True, False]
+    assert page.evaluate(LATE, [url, ages]) == old
+
+
 def test_a_lost_connection_is_told_in_german_too(drive, somebody_else):
     page = _page(somebody_else)
     page.goto(f"{drive}language/de")
