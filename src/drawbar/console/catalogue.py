@@ -168,7 +168,7 @@ TEXTS: Mapping[str, tuple[str, str]] = {
     "import_export": ("Import and export", "Importieren und exportieren"),
     "import_file": ("Choose a field's file", "Felddatei auswählen"),
     "import_kinds": ("{kinds}; folders as .zip", "{kinds}; Ordner als .zip"),
-    "imported": ("Imported {fields}: {lines} lines", "{fields} importiert: {lines} Linien"),
+    "imported": ("Imported {fields}, lines: {lines}", "{fields} importiert, Linien: {lines}"),
     "too_large": (
         "Not taken: one file of at most {size} MiB",
         "Nicht angenommen: nur eine Datei, höchstens {size} MiB",
