@@ -111,8 +111,8 @@ TEXTS: Mapping[str, tuple[str, str]] = {
     "runs": ("Runs", "Fahrten"),
     "inside": ("Look inside", "Messwerte"),
     "saved_for_next": (
-        "Saved. For the next drive: drawbar drive {file}",
-        "Gespeichert. Für die nächste Fahrt: drawbar drive {file}",
+        "Saved. For the next drive, with the options of this one: drawbar drive {file}",
+        "Gespeichert. Für die nächste Fahrt, mit den Optionen von dieser: drawbar drive {file}",
     ),
     "number_missing": ("a number is missing", "eine Zahl fehlt"),
     # fields
