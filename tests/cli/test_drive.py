@@ -7,8 +7,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from drawbar.cli.drive import _drive, _run
+from drawbar.cli.drive import _drive, _report, _run
 from drawbar.cli.interrupts import Interrupts
+from drawbar.errors import StorageError
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="real machines are driven by Linux only")
 
@@ -85,8 +86,18 @@ def test_what_the_processes_could_not_have_is_told_at_the_start(monkeypatch, cap
         def output(self):
             return said
 
+        def close(self):
+            pass
+
     monkeypatch.setattr("drawbar.cli.drive._drive", lambda *arguments, **options: False)
     assert not _run(Processes(), None, Interrupts(), demonstrates=False, seconds=0.0)
     shown = capsys.readouterr().out
     assert shown.endswith(told) if len(said) < 2 else told in shown
     assert bool(said) == bool(shown.strip())
+
+
+def test_a_run_whose_folder_went_away_is_told(tmp_path):
+    with pytest.raises(
+        StorageError, match="not there any more: the folder was moved or removed, or its disk unmounted"
+    ):
+        _report(tmp_path, shadow=False)

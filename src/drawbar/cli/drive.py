@@ -11,6 +11,10 @@ from drawbar.cli.options import ConfigurationName, Pace, changing, compiling, co
 from drawbar.cli.pages import Pages, address, free_port, takes_pages
 
 LOCAL = "127.0.0.1"
+_NOT_THERE = (
+    "{folder}: the log is not there any more: the folder was moved or removed, or its disk unmounted, during the "
+    "drive; where it still exists, `drawbar report` reads it"
+)
 
 if TYPE_CHECKING:
     from drawbar.cli.interrupts import Interrupts
@@ -109,7 +113,10 @@ def _run(
         _tell_said(processes.output())
         if options is not None:
             console.print(f"the console is at {address(options)}", soft_wrap=True)
-        return _drive(processes, interrupts, demonstrates=demonstrates, seconds=seconds)
+        failed = _drive(processes, interrupts, demonstrates=demonstrates, seconds=seconds)
+        with console.status("ending the processes, the recorder last …"):
+            processes.close()
+        return failed
 
 
 def _tell_said(lines: list[str]) -> None:
@@ -129,11 +136,14 @@ def _shown_at(port: int) -> int:
 def _report(folder: FilePath, *, shadow: bool) -> None:
     """Write the report, and tell what there is to tell at the end."""
     from drawbar.driving.evaluation.shadow import COMPARED, steering_differences, tell
+    from drawbar.errors import StorageError
     from drawbar.recording.columns import read_columns
     from drawbar.recording.log import LOG_NAME
     from drawbar.report.console import summary
     from drawbar.report.folder import write_report
 
+    if not (folder / LOG_NAME).exists():
+        raise StorageError(_NOT_THERE.format(folder=folder))
     console.print(summary(write_report(folder)))
     if shadow:
         for difference in steering_differences(read_columns(folder / LOG_NAME, COMPARED)):
