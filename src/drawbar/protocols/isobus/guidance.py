@@ -9,6 +9,7 @@ from drawbar.protocols.isobus.cadence import Cadence
 from drawbar.protocols.isobus.curvature import CurvatureMap
 from drawbar.protocols.isobus.guidance_messages import (
     MACHINE_INFO,
+    PASSING_EXITS,
     SYSTEM_COMMAND,
     ExitReason,
     Intention,
@@ -34,18 +35,6 @@ _OTHER_MASTER_HOLD = 1.0
 """for how long another sender of commands is remembered, s"""
 _OPERATOR_EXITS = (ExitReason.OPERATOR_OVERRIDE,)
 _FAULT_EXITS = (ExitReason.CONTROL_FAULT, ExitReason.FUNCTION_FAULT, ExitReason.ERROR)
-_PASSING_EXITS = (
-    ExitReason.OPERATOR_PRESENCE,
-    ExitReason.IMPLEMENT_RELEASED,
-    ExitReason.OPERATOR_OVERRIDE,
-    ExitReason.CONTROL_NOT_IN_POSITION,
-    ExitReason.COMMAND_TIMEOUT,
-    ExitReason.OUT_OF_RANGE,
-    ExitReason.GEAR,
-    ExitReason.TOO_SLOW,
-    ExitReason.TOO_FAST,
-)
-"""reasons that may be over while a valve still tells them"""
 _NO_EXITS = (ExitReason.NONE, ExitReason.NOT_AVAILABLE)
 _LIMITS_WHILE_STEERING = (LimitStatus.NOT_LIMITED, LimitStatus.LIMITED_HIGH, LimitStatus.LIMITED_LOW)
 """a valve at its stop still steers as asked as far as it can"""
@@ -221,7 +210,7 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
         """Return whether an exit reason of a valve that is ready is that of an earlier end."""
         cleared_by = self._steering_since + _CLEARED if self._phase is _Phase.STEERING else math.inf
         settled = time - max(self._reason_since, self._received_since) >= _SETTLED
-        return reason in _PASSING_EXITS and settled and time <= cleared_by
+        return reason in PASSING_EXITS and settled and time <= cleared_by
 
     def _state(self, time: float, info: MachineInfo) -> Readiness:
         """Return what the valve's own states allow; what it does not say is no."""
