@@ -67,6 +67,25 @@ def test_output_that_fails_while_the_terminal_is_there_is_told(processes):
     assert processes.front.closed
 
 
+class Ended:
+    """Processes of a drive that is over, and what they have said."""
+
+    def __init__(self, said, killed=()):
+        self.said, self.killed = said, killed
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *what):
+        pass
+
+    def output(self):
+        return self.said
+
+    def close(self):
+        pass
+
+
 @pytest.mark.parametrize(
     ("said", "told"),
     [
@@ -76,24 +95,17 @@ def test_output_that_fails_while_the_terminal_is_there_is_told(processes):
     ],
 )
 def test_what_the_processes_could_not_have_is_told_at_the_start(monkeypatch, capsys, said, told):
-    class Processes:
-        def __enter__(self):
-            return self
-
-        def __exit__(self, *what):
-            pass
-
-        def output(self):
-            return said
-
-        def close(self):
-            pass
-
     monkeypatch.setattr("drawbar.cli.drive._drive", lambda *arguments, **options: False)
-    assert not _run(Processes(), None, Interrupts(), demonstrates=False, seconds=0.0)
+    assert not _run(Ended(said), None, Interrupts(), demonstrates=False, seconds=0.0)
     shown = capsys.readouterr().out
     assert shown.endswith(told) if len(said) < 2 else told in shown
     assert bool(said) == bool(shown.strip())
+
+
+def test_a_recorder_that_could_not_write_all_is_told(monkeypatch, capsys):
+    monkeypatch.setattr("drawbar.cli.drive._drive", lambda *arguments, **options: False)
+    assert not _run(Ended([], killed=["recorder"]), None, Interrupts(), demonstrates=False, seconds=0.0)
+    assert "the end of the drive is lost" in capsys.readouterr().out
 
 
 def test_a_run_whose_folder_went_away_is_told(tmp_path):

@@ -15,6 +15,7 @@ _NOT_THERE = (
     "{folder}: the log is not there any more: the folder was moved or removed, or its disk unmounted, during the "
     "drive; where it still exists, `drawbar report` reads it"
 )
+_NOT_WRITTEN = "the disk is so slow that the recorder was ended before it had written all: the end of the drive is lost"
 
 if TYPE_CHECKING:
     from drawbar.cli.interrupts import Interrupts
@@ -107,6 +108,8 @@ def _run(
     seconds: float,
 ) -> bool:
     """Start the processes and show the drive; return whether it failed."""
+    from drawbar.driving.messaging.process_options import RECORDER
+
     with ExitStack() as started:
         with console.status("starting the processes …"):
             started.enter_context(processes)
@@ -116,6 +119,8 @@ def _run(
         failed = _drive(processes, interrupts, demonstrates=demonstrates, seconds=seconds)
         with console.status("ending the processes, the recorder last …"):
             processes.close()
+        if RECORDER in processes.killed:
+            console.print(_NOT_WRITTEN, style="bold red", soft_wrap=True)
         return failed
 
 

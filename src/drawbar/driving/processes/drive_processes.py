@@ -78,6 +78,8 @@ class DriveProcesses:
         self.configuration, self._run = configuration, run
         self._stand_ins, self._shadow, self._console = stand_ins, shadow, console
         self.by_name: dict[str, subprocess.Popen[bytes]] = {}
+        self.killed: list[str] = []
+        """names of processes that did not end when they were told to"""
         self._folder = SocketFolder()
         self._output = ProcessOutput(run / MESSAGES_NAME)
         self.options = ProcessOptions(
@@ -196,5 +198,6 @@ class DriveProcesses:
                 try:
                     process.wait(_WRITING if name == RECORDER else _ENDING)
                 except subprocess.TimeoutExpired:
+                    self.killed.append(name)
                     process.kill()
                     process.wait()
