@@ -3,6 +3,8 @@
 import errno
 import os
 import sys
+import threading
+import time
 from types import SimpleNamespace
 
 import pytest
@@ -58,6 +60,28 @@ def test_a_terminal_that_is_gone_before_its_signal_is_heard_ends_a_drive_in_orde
         os.close(ours)
         assert not _drive(processes, Interrupts(), demonstrates=False, seconds=1.0)
         print("what follows goes nowhere", flush=True)
+    assert processes.front.closed
+
+
+def test_a_terminal_that_is_gone_ends_a_drive_though_its_signal_is_ignored(processes, monkeypatch):
+    class Silent(Terminal):
+        def show(self):
+            pass
+
+        def tell_losses(self):
+            return True
+
+    monkeypatch.setattr("drawbar.driving.operator.terminal.Terminal", Silent)
+    ours, theirs = os.openpty()
+    with open(theirs, encoding="utf-8") as gone:
+        monkeypatch.setattr("sys.stdin", gone)
+        processes.options = SimpleNamespace(clock=time.monotonic)
+        hang_up = threading.Timer(0.2, os.close, [ours])
+        hang_up.start()
+        begin = time.monotonic()
+        assert not _drive(processes, Interrupts(), demonstrates=False, seconds=20.0)
+        assert time.monotonic() - begin < 10.0
+        hang_up.join()
     assert processes.front.closed
 
 

@@ -175,6 +175,9 @@ def _drive(processes: "DriveProcesses", interrupts: "Interrupts", *, demonstrate
                     front.press(key)
                 if "q" in keys:
                     break
+                if keyboard.is_gone:
+                    leave_a_terminal_that_is_gone()
+                    break
                 terminal.show()
                 if not terminal.tell_losses():
                     return True
