@@ -73,6 +73,9 @@ CAUSES_DE: Mapping[Cause, tuple[str, str]] = {
         "Einbau und Kabel seiner Antennen oder seines Drehratensensors prüfen"),
     Cause.ANTENNA_DISTANCE: ("beide Antennen sind nicht so weit voneinander, wie Längen und Winkel ergeben",
         "beiden Empfängern dieselben Korrekturen geben; sonst Längen, Antennenorte und Knickwinkelsensor prüfen"),
+    Cause.RECEIVER_TIMES: ("die Epochen der Empfänger sind nie von derselben Zeit",
+        "beide laufen lassen, bis sie UTC und deren Schaltsekunden kennen, bis zu 13 Minuten; drawbar check nennt "
+        "den Abstand"),
     Cause.TOO_SLOW: ("das Fahrzeug steht oder ist zu langsam",
         "anfahren, dann einschalten"),
     Cause.TOO_FAST: ("das Fahrzeug ist zu schnell",

@@ -112,6 +112,8 @@ class Cause(Enum):
         "check how its antennas or its inertial sensor are mounted and wired")
     ANTENNA_DISTANCE = (222, True, Response.NOTIFY, "both antennas are not as far apart as lengths and angles say",
         "give both receivers the same corrections; else check lengths, places of the antennas and the hitch sensor")
+    RECEIVER_TIMES = (223, False, Response.NOTIFY, "the receivers' epochs are never of the same time",
+        "let both run until they know UTC and its leap seconds, up to 13 minutes; drawbar check tells the difference")
 
     TOO_SLOW = (301, True, Response.NONE, "the vehicle stands or is too slow",
         "begin to drive, then engage")
