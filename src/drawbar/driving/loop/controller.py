@@ -22,6 +22,7 @@ from drawbar.errors import DrawbarError, PathError
 from drawbar.geometry import wrap
 from drawbar.guidance.path import Path
 from drawbar.messages import CommandMessage, ControllerState, Fixes, GateState, Mode, SupervisorState
+from drawbar.safety.causes import Cause
 from drawbar.signals import Command, FixQuality, FixStatus, Measurement, Status, StepRecord
 from drawbar.step.build import build_autopilot
 
@@ -122,7 +123,9 @@ class Controller:
         self._swapped.hear(fixes)
         self._speeds.hear(fixes)
         forwards = not self._swapped.found  # backwards it turns the other way
-        self._mirrored.hear(fixes, self._gate.tractor_angle if self._gate and forwards else math.nan)
+        angle = self._gate.tractor_angle if self._gate and forwards else math.nan
+        unsure = self._gate is not None and self._gate.cause == Cause.POSITION_LOST.value
+        self._mirrored.hear(fixes, angle, suspected=unsure)
 
     def feedback(self, measurement: Measurement, now: int) -> CommandMessage:
         """Return the command that answers a measurement; call prepare() once it is out."""
