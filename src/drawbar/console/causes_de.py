@@ -72,7 +72,8 @@ CAUSES_DE: Mapping[Cause, tuple[str, str]] = {
     Cause.YAW_REJECTED: ("Richtung oder Drehrate des Traktors widerspricht der Bewegung",
         "Einbau und Kabel seiner Antennen oder seines Drehratensensors prüfen"),
     Cause.ANTENNA_DISTANCE: ("beide Antennen sind nicht so weit voneinander, wie Längen und Winkel ergeben",
-        "beiden Empfängern dieselben Korrekturen geben; sonst Längen, Antennenorte und Knickwinkelsensor prüfen"),
+        "beiden Empfängern dieselben Korrekturen geben, sonst Längen, Antennenorte und Knickwinkelsensor prüfen; dann "
+        "drawbar neu starten"),
     Cause.RECEIVER_TIMES: ("die Epochen der Empfänger sind nie von derselben Zeit",
         "beide laufen lassen, bis sie UTC und deren Schaltsekunden kennen, bis zu 13 Minuten; drawbar check nennt "
         "den Abstand"),
