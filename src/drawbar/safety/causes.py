@@ -111,8 +111,8 @@ class Cause(Enum):
     YAW_REJECTED = (221, False, Response.NOTIFY, "the tractor's yaw or yaw rate contradicts the motion",
         "check how its antennas or its inertial sensor are mounted and wired")
     ANTENNA_DISTANCE = (222, True, Response.NOTIFY, "both antennas are not as far apart as lengths and angles say",
-        "give both receivers the same corrections, else check lengths, places of the antennas and the hitch sensor; then "
-        "start drawbar again")
+        "give both receivers the same corrections, else check lengths, places of the antennas and the hitch sensor; "
+        "then start drawbar again")
     RECEIVER_TIMES = (223, False, Response.NOTIFY, "the receivers' epochs are never of the same time",
         "let both run until they know UTC and its leap seconds, up to 13 minutes; drawbar check tells the difference")
 
