@@ -117,6 +117,8 @@ ANTENNAS = {"tractor": POSITIONS[:2], "trailer": POSITIONS[2:]}
 FAULTS = {
     "both antennas jump 100 m": Fault(change=shifted(100.0), ends=Status.OFF_COURSE, within=1.2, distance=0.5),
     "both antennas jump 100 m for half a second": Fault(change=shifted(100.0), lasts=0.5),
+    "both antennas jump 1 m": Fault(change=shifted(1.0), ends=Status.JUMPED, within=1.2, distance=0.1),
+    "both antennas jump 20 cm": Fault(change=shifted(0.2)),
     "speed 1e300": Fault(change=at(1e300, "speed"), flags=Flag.MEASUREMENT),
     "a clock that stands still": Fault(change=at(29.8), ends=Status.STOPPED, within=1.0),
     "a clock that stands still for half a second": Fault(change=at(29.8), lasts=0.5),
