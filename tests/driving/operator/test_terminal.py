@@ -126,8 +126,11 @@ def test_no_key_is_pressed_on_a_terminal_that_is_gone(monkeypatch):
     with open(near, encoding="utf-8") as terminal:
         monkeypatch.setattr("sys.stdin", terminal)
         with Keyboard() as keyboard:
+            assert keyboard.pressed() == ""
+            assert not keyboard.is_gone
             os.close(far)
             assert keyboard.pressed() == ""
+            assert keyboard.is_gone
 
 
 @pytest.mark.parametrize(
