@@ -5,6 +5,7 @@ import os
 import socket
 import subprocess
 import sys
+import time
 
 import pytest
 
@@ -123,6 +124,17 @@ def test_suspension_is_no_time_of_this_run():
     before = suspended_time()
     assert before >= -1e-3
     assert suspended_time() - before == pytest.approx(0.0, abs=0.01)
+
+
+def test_a_process_that_is_stopped_while_it_reads_the_clocks_sees_no_suspension(monkeypatch):
+    now, pauses = [100.0], iter([0.0, 0.7, 0.0, 0.0, 0.9])
+
+    def read(clock):
+        now[0] += next(pauses, 0.0)
+        return now[0] + (30.0 if clock == time.CLOCK_BOOTTIME else 0.0)
+
+    monkeypatch.setattr(time, "clock_gettime", read)
+    assert suspended_time() == pytest.approx(30.0)
 
 
 def test_systems_without_a_boot_clock_know_of_no_suspension(monkeypatch):

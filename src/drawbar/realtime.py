@@ -15,6 +15,9 @@ from contextlib import suppress
 
 LOCK_ALL = 3
 """MCL_CURRENT | MCL_FUTURE"""
+TOGETHER = 1e-3
+"""two clocks are read within this time, or once more: the process may have been stopped in between, s"""
+ATTEMPTS = 5
 
 
 def prepare(priority: int) -> list[str]:
@@ -107,7 +110,13 @@ def suspended_time() -> float:
     """Return for how long this computer has been suspended since it started, s; 0 where the system does not say."""
     if not hasattr(time, "CLOCK_BOOTTIME"):
         return 0.0
-    return time.clock_gettime(time.CLOCK_BOOTTIME) - time.clock_gettime(time.CLOCK_MONOTONIC)
+    for _ in range(ATTEMPTS):
+        before = time.clock_gettime(time.CLOCK_MONOTONIC)
+        booted = time.clock_gettime(time.CLOCK_BOOTTIME)
+        after = time.clock_gettime(time.CLOCK_MONOTONIC)
+        if after - before <= TOGETHER:
+            break
+    return booted - after
 
 
 def say(text: str) -> None:

@@ -65,6 +65,17 @@ def test_bytes_are_read_when_they_come(monkeypatch):
         assert waited == [[line.fileno()]]
 
 
+def test_what_came_while_the_computer_was_busy_is_looked_at_after_the_end(monkeypatch):
+    now = [100.0]
+
+    def late(*_):
+        now[0] += 3.0  # much longer than it was to wait, and than is listened to
+
+    monkeypatch.setattr(finding_module.time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(finding_module.select, "select", late)
+    assert list(finding_module.poll_times(1.0)) == [100.0, 103.0]
+
+
 def report_at(time):
     return Report(
         time=time, latitude=50.0, longitude=4.0, height=0.0, quality=FixQuality.FIXED, speed=0.0, correction_age=1.0

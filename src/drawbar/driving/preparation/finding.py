@@ -40,10 +40,16 @@ def finding_of(device: str, look: Callable[[], Finding]) -> Finding:
 
 
 def poll_times(seconds: float, *watched: Transport) -> Iterator[float]:
-    """Yield monotonic times, s, for so long: of each look, and of the moments when bytes come from what is watched."""
+    """Yield monotonic times, s, for so long: of each look, and of the moments when bytes come from what is watched.
+
+    The last one is after the end: what came while a busy computer did not let this process look is looked at.
+    """
     end = time.monotonic() + seconds
-    while (now := time.monotonic()) < end:
+    while True:
+        now = time.monotonic()
         yield now
+        if now >= end:
+            return
         descriptors = [each.fileno() for each in watched]
         select.select([each for each in descriptors if each >= 0], [], [], _LOOK)
 
