@@ -14,7 +14,7 @@ import pytest
 pytest.importorskip("nicegui", reason="the extra `console` is not installed")
 pytest.importorskip("shapefile", reason="the extra `console` is not installed")
 
-from console_stage import Stage, console
+from console_stage import Stage, console, until
 
 from drawbar.console.run_comparison import FIGURES, value_of
 from drawbar.console.run_events import run_events
@@ -87,7 +87,7 @@ def test_a_run_is_exported_as_a_table_and_what_cannot_be_is_said(runs):
         for kind in ("CSV", "GeoJSON"):
             with one.user.client:
                 await one.page._export(run, kind)
-        await asyncio.sleep(0.1)
+        await until(lambda: one.user.download.http_responses)
         return [answer.content for answer in one.user.download.http_responses], one.notifications()
 
     (table,), told = on_page(runs, test)

@@ -39,12 +39,12 @@ class Bench:
     def advance(self) -> None:
         self.stream += self.client.advance(self.clock.now)
 
-    def until(self, seen: Callable[[], object], within: float = 10.0) -> None:
+    def until(self, seen: Callable[[], object]) -> None:
         def look() -> object:
             self.advance()
             return seen()
 
-        until(look, within)
+        until(look)
 
     def until_state(self, state: CorrectionsState) -> None:
         self.until(lambda: self.status.state is state)

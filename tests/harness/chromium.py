@@ -6,8 +6,8 @@ import pytest
 
 from drawbar.console.screenshots import chromium_path
 
-LAUNCH = 300.0
-"""longest time until it is open, s"""
+LONGEST = 300.0
+"""time until it is open, or a page is loaded or drawn, on a busy machine, s"""
 
 
 @contextmanager
@@ -18,7 +18,7 @@ def open_chromium():
         pytest.skip("no Chromium is installed")
     with playwright.sync_playwright() as playing:
         browser = playing.chromium.launch(
-            executable_path=program, args=["--no-sandbox", "--disable-gpu"], timeout=1e3 * LAUNCH
+            executable_path=program, args=["--no-sandbox", "--disable-gpu"], timeout=1e3 * LONGEST
         )
         yield browser
         browser.close()

@@ -7,8 +7,8 @@ from typing import TypeVar
 Value = TypeVar("Value")
 
 
-def until(look: Callable[[], Value], within: float = 10.0) -> Value:
-    """Return what `look` returns as soon as that is true; fail after `within` seconds."""
+def until(look: Callable[[], Value], within: float = 60.0) -> Value:
+    """Return what `look` returns as soon as that is true; fail after `within` seconds, many on a busy machine."""
     end = time.monotonic() + within
     while True:
         seen = look()

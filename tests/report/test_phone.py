@@ -1,7 +1,7 @@
 """The report on a phone, in a real browser."""
 
 import pytest
-from chromium import open_chromium
+from chromium import LONGEST, open_chromium
 
 from drawbar.report.metrics import compute_metrics
 from drawbar.report.page import render_page
@@ -38,8 +38,8 @@ def phone(run, tmp_path_factory):
     report.write_text(render_page(run, compute_metrics(run, errors), errors), "utf-8")
     with open_chromium() as browser:
         page = browser.new_page(viewport=PHONE)
-        page.goto(report.as_uri())
-        page.wait_for_function(ALL_DRAWN, timeout=300_000)
+        page.goto(report.as_uri(), timeout=1e3 * LONGEST)
+        page.wait_for_function(ALL_DRAWN, timeout=1e3 * LONGEST)
         yield page
 
 

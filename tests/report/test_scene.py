@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import plotly.graph_objects as go
 import pytest
-from chromium import open_chromium
+from chromium import LONGEST, open_chromium
 
 from drawbar.config import load_configuration
 from drawbar.geometry import arm_offset
@@ -109,8 +109,8 @@ def test_the_scene_fills_a_phone(log: RunLog, tmp_path: Path) -> None:
     report.write_text(render_page(log, compute_metrics(log, errors), errors), "utf-8")
     with open_chromium() as browser:
         page = browser.new_page(viewport={"width": 360, "height": 740})
-        page.goto(report.as_uri())
-        page.wait_for_function("document.querySelector('#scene .gl-container canvas')", timeout=300_000)
+        page.goto(report.as_uri(), timeout=1e3 * LONGEST)
+        page.wait_for_function("document.querySelector('#scene .gl-container canvas')", timeout=1e3 * LONGEST)
         shown, whole = page.evaluate(
             "['#scene .gl-container > div', '#scene'].map(each => document.querySelector(each).clientWidth)"
         )

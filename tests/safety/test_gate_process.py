@@ -1,8 +1,8 @@
 """The gate as a process: whatever becomes of the controller's process, "off" is on the wire in time and stays.
 
-The time that counts is from the instant of the kill to the first "off" datagram in this process. It may take what a
-command is valid for, 200 ms, and what this computer's scheduler adds while other tests run: SLACK, which is stated here
-and is no part of the design.
+The time that counts is from the instant of the kill to the first "off" datagram, as the kernel stamps it: when this
+process reads it does not matter. It may take what a command is valid for, 200 ms, and what this computer's scheduler
+adds while other tests run: SLACK, which is stated here and is no part of the design.
 """
 
 import contextlib
@@ -19,8 +19,10 @@ import time
 from pathlib import Path
 
 import pytest
+from waiting import until
 
-from drawbar.driving.messaging.process_options import GateOptions
+from drawbar.driving.messaging.endpoint import Endpoint
+from drawbar.driving.messaging.process_options import GATE, GateOptions
 from drawbar.driving.processes.guard_main import OFF
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.message_records import decode, encode
@@ -28,12 +30,16 @@ from drawbar.messages import Action, GateState, Heartbeat, OperatorMessage, Role
 from drawbar.safety.channels import controller_pair
 from drawbar.safety.gate_process import ENDED, FAILED, GONE
 from drawbar.safety.settings import SafetySettings
+from drawbar.transports.address import UdpAddress
+from drawbar.transports.udp import UdpTransport
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="a real machine is driven on Linux")
 HARNESS = Path(__file__).parents[1] / "harness"
 SLACK = 0.3
 HEARD = 5.0
 """s; no longer is the wire listened to"""
+WAIT = 60.0
+"""s; until a process has ended"""
 KILLS = int(os.environ.get("DRAWBAR_KILLS", "4"))
 """instants at which the controller is killed, and stopped; 200 for the whole proof"""
 CHANGES = {
@@ -42,6 +48,9 @@ CHANGES = {
     "timing": {"late": 2.0, "lease": 20.0},
 }
 """an operator who need not wait, on a computer that may be busy with other tests"""
+
+
+HEARD_OF = (SupervisorState.ACTIVE, SupervisorState.FAULT)
 
 
 class NotDrivingError(Exception):
@@ -53,16 +62,14 @@ class Machine:
 
     def __init__(self, folder, **order):
         self.folder, self.nonce, self.state = folder, 0, None
-        self.wire = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self.wire.bind(("127.0.0.1", 0))
+        self.wire = UdpTransport(UdpAddress(host="127.0.0.1", port=0))
         self.front = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
         self.front.bind(str(folder / "front"))
-        for each in (self.wire, self.front):
-            each.setblocking(False)
+        self.front.setblocking(False)
         gate_end, controller_end = controller_pair()
         settings = SafetySettings.model_validate(CHANGES)
         order |= {
-            "port": self.wire.getsockname()[1], "controller": gate_end.fileno(), "desk": str(folder / "desk"),
+            "port": self.wire.port, "controller": gate_end.fileno(), "desk": str(folder / "desk"),
             "subscribers": [str(folder / "front"), str(folder / "guard")], "settings": CHANGES,
         }  # fmt: skip
         self.gate = self._start("gate_runner.py", gate_end, json.dumps(order))
@@ -78,24 +85,21 @@ class Machine:
             return subprocess.Popen(command, pass_fds=[end.fileno()], stderr=errors)
 
     def frames(self, seconds):
-        """Yield the time and whether each datagram on the wire says to steer, until nothing came for so long.
+        """Yield when each datagram came on the wire and whether it says to steer, until nothing came for so long.
 
         A gate that goes on sends without end: at most HEARD seconds are listened to.
         """
         end = time.monotonic() + HEARD
         while time.monotonic() < end and select.select([self.wire], [], [], seconds)[0]:
-            yield time.monotonic(), struct.unpack("<Bd", self.wire.recv(64))[0] == 1
+            for piece in self.wire.read():
+                yield piece.time, struct.unpack("<Bd", piece.data)[0] == 1
 
     def listen(self):
-        """Take in the gate's newest state and what is on the wire; return whether it steers."""
-        for end in (self.front, self.wire):
+        """Take in the gate's newest state and what is on the wire."""
+        self.wire.read()
+        with contextlib.suppress(BlockingIOError):
             while True:
-                try:
-                    record = end.recv(4096)
-                except BlockingIOError:
-                    break
-                if end is self.front:
-                    self.state = decode(record, GateState)
+                self.state = decode(self.front.recv(4096), GateState)
 
     def ask(self, action):
         self.nonce += 1
@@ -132,7 +136,7 @@ class Machine:
     def close(self):
         for process in (self.controller, self.gate):
             process.kill()
-            process.wait(10.0)
+            process.wait(WAIT)
         self.wire.close()
         self.front.close()
 
@@ -163,33 +167,44 @@ def guarded(machine):
 
     def start():
         driving = machine()
-        board = SteerBoardSettings(address=f"127.0.0.1:{driving.wire.getsockname()[1]}", max_angle=0.5)
+        board = SteerBoardSettings(address=f"127.0.0.1:{driving.wire.port}", max_angle=0.5)
         options = GateOptions(
             folder=str(driving.folder), safety=SafetySettings(), controller=0, wheelbase=1.4, tractor_limit=0.5,
             trailer_limit=0.3, tractor_board=board, trailer_board=None, isobus=None,
         )  # fmt: skip
+        heard = Endpoint(str(driving.folder / GATE))  # where it says what it knows of the gate
         command = [sys.executable, "-m", "drawbar.driving.processes.guard_main"]
         guards.append(subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.DEVNULL))
         guards[-1].stdin.write(options.model_dump_json().encode())
         guards[-1].stdin.close()
-        end = time.monotonic() + 20.0
-        while not (driving.folder / "guard").exists():
-            assert time.monotonic() < end
-            time.sleep(0.02)
-        time.sleep(0.2)  # it has heard the gate
+        until(lambda: any(decode(each, Heartbeat).state in HEARD_OF for each in heard.receive()))
+        heard.close()
         return driving, guards[-1]
 
     yield start
     for each in guards:
         each.kill()
-        each.wait(10.0)
+        each.wait(WAIT)
+
+
+def still_driving(start, pause):
+    """Return what was started and drives after a pause; on a busy computer a controller may be late by itself."""
+    for _ in range(10):
+        driving, *guard = start()
+        time.sleep(pause)
+        driving.listen()
+        if driving.state.state is SupervisorState.ACTIVE:
+            return driving, *guard
+        driving.close()
+    raise NotDrivingError
 
 
 def guards_off(machine, start):
     """Return the time from an instant to the guard's first off frame, s."""
     while select.select([machine.wire], [], [], 2.0)[0]:
-        if machine.wire.recv(64) == OFF:
-            return time.monotonic() - start
+        for piece in machine.wire.read():
+            if piece.data == OFF:
+                return piece.time - start
     raise AssertionError("the guard said nothing")
 
 
@@ -214,17 +229,17 @@ def spread(signal_name, times):
 def test_killed_controllers_release_at_once_and_the_gate_ends_after_a_second_of_off(machine):
     chance, times = random.Random(0), []
     for _ in range(KILLS):
-        driving = machine()
-        time.sleep(chance.uniform(0.0, 0.3))
-        driving.listen()
-        start = time.monotonic()
+        (driving,) = still_driving(lambda: (machine(),), chance.uniform(0.0, 0.3))
+        before = time.monotonic()
         driving.controller.kill()
+        start = time.monotonic()
         times.append(released(driving, start))
         assert times[-1] <= 0.2 + SLACK
         rest = list(driving.frames(1.5))
         assert not any(steers for _, steers in rest)
-        assert 0.9 <= rest[-1][0] - start <= 1.3 + SLACK
-        assert driving.gate.wait(5.0) == GONE
+        assert rest[-1][0] - before >= 0.9
+        assert rest[-1][0] - start <= 1.3 + SLACK
+        assert driving.gate.wait(WAIT) == GONE
         driving.close()
     print(spread("SIGKILL", times))  # docs/safety.md
 
@@ -233,16 +248,13 @@ def test_killed_controllers_release_at_once_and_the_gate_ends_after_a_second_of_
 def test_boards_of_gates_that_are_killed_or_frozen_are_released_by_the_guard(guarded, how):
     chance, times = random.Random(2), []
     for _ in range(max(KILLS // 2, 1)):
-        driving, guard = guarded()
-        time.sleep(chance.uniform(0.0, 0.3))
-        driving.listen()
-        assert driving.state.state is SupervisorState.ACTIVE
-        start = time.monotonic()
+        driving, guard = still_driving(guarded, chance.uniform(0.0, 0.3))
         driving.gate.send_signal(how)
+        start = time.monotonic()
         guard.terminate()  # as whoever looks after both may do: it stays until the boards have been released
         times.append(guards_off(driving, start))
         assert times[-1] <= 0.2 + SLACK
-        assert guard.wait(5.0) == 0
+        assert guard.wait(WAIT) == 0
         if how is signal.SIGSTOP:
             driving.listen()  # to the rest of what the guard has said
             driving.gate.send_signal(signal.SIGCONT)
@@ -254,11 +266,9 @@ def test_boards_of_gates_that_are_killed_or_frozen_are_released_by_the_guard(gua
 def test_stopped_controllers_release_and_going_on_does_not_engage(machine):
     chance, times = random.Random(1), []
     for _ in range(KILLS):
-        driving = machine()
-        time.sleep(chance.uniform(0.0, 0.3))
-        driving.listen()
-        start = time.monotonic()
+        (driving,) = still_driving(lambda: (machine(),), chance.uniform(0.0, 0.3))
         driving.controller.send_signal(signal.SIGSTOP)
+        start = time.monotonic()
         times.append(released(driving, start))
         assert times[-1] <= 0.2 + SLACK
         driving.controller.send_signal(signal.SIGCONT)
@@ -282,26 +292,29 @@ def test_garbage_from_all_sides_neither_ends_it_nor_steers(machine):
                 break
             except BlockingIOError:  # a busy machine: the gate has not read what came before
                 time.sleep(0.001)
-        driving.wire.sendto(chance.randbytes(20), ("127.0.0.1", 9))
+        driving.wire.write_to(chance.randbytes(20), ("127.0.0.1", 9))
         if chance.random() < 0.1:
             driving.listen()
             driving.ask(Action.PRESENT)
-    driving.listen()
-    time.sleep(0.3)
-    driving.listen()
-    assert driving.state.state is SupervisorState.ACTIVE
-    assert driving.state.dropped >= 100
+
+    def dropped():
+        driving.listen()
+        driving.ask(Action.PRESENT)
+        assert driving.state.state is SupervisorState.ACTIVE
+        return driving.state.dropped >= 100
+
+    until(dropped)
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_a_gate_that_is_told_to_end_releases_first(machine, number):
     driving = machine()
     driving.listen()
-    start = time.monotonic()
+    before = time.monotonic()
     driving.gate.send_signal(number)
-    assert released(driving, start) <= 0.2 + SLACK
-    assert driving.gate.wait(5.0) == ENDED
-    assert time.monotonic() - start >= 0.9
+    assert released(driving, time.monotonic()) <= 0.2 + SLACK
+    assert driving.gate.wait(WAIT) == ENDED
+    assert time.monotonic() - before >= 0.9
 
 
 @pytest.mark.parametrize(("fails_at", "code"), [("tick", FAILED), ("report", None)])
@@ -312,7 +325,7 @@ def test_a_program_that_fails_releases(machine, fails_at, code, tmp_path):
             broken.come_to(SupervisorState.ACTIVE, 20.0)
         frames = [steers for _, steers in broken.frames(0.1)]
         if code is not None:
-            assert broken.gate.wait(5.0) == code
+            assert broken.gate.wait(WAIT) == code
             assert "the gate's own program fails" in (tmp_path / "gate_runner.py").read_text()
             assert not any(frames)
         else:

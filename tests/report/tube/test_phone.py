@@ -3,7 +3,7 @@
 import io
 
 import pytest
-from chromium import open_chromium
+from chromium import LONGEST, open_chromium
 from rich.console import Console
 
 from drawbar.config import load_configuration
@@ -18,7 +18,7 @@ def phone(tmp_path):
     show_tubes(Console(file=io.StringIO()), load_configuration("articulated"), tmp_path, ())
     with open_chromium() as browser:
         page = browser.new_context(viewport=PHONE, is_mobile=True).new_page()
-        page.goto((tmp_path / "tube.html").as_uri())
+        page.goto((tmp_path / "tube.html").as_uri(), timeout=1e3 * LONGEST)
         yield page
 
 
