@@ -17,7 +17,7 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="real time is su
 def in_a_child(code, **environment):
     """Run code in a process of its own: what it does to itself must not stay in the tests' process."""
     run = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, env={**os.environ, **environment}, timeout=60
+        [sys.executable, "-c", code], capture_output=True, text=True, env={**os.environ, **environment}, timeout=300
     )
     assert run.returncode == 0, run.stderr
     return run.stdout.split("\n")

@@ -20,7 +20,7 @@ DRIVES = {
     "figure-eight, one receiver": (["path.radii=[8.0]"], lambda plain: with_one_receiver(with_stand_ins(plain))),
     "recorded line, ISOBUS, one receiver": (RECORDED, lambda plain: with_one_receiver(with_isobus(plain))),
 }
-PACES = (10, 5, 3, 2)
+PACES = (10, 5, 3, 2, 1)
 """tried one after the other, until this computer, which has other tests to run, is fast enough: processes that it lets
 wait anywhere else than between an epoch and its command only move the drives apart"""
 SECONDS = 75.0
@@ -44,4 +44,4 @@ def test_errors_are_those_of_one_process(name, tmp_path):
         print(f"differs by {mean} m, {largest} m")
         if within := mean < 0.001 and largest < 0.003:
             break
-    assert within, "not even at twice real time"
+    assert within, "not even in real time"

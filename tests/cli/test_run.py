@@ -152,7 +152,7 @@ def test_no_compiler_is_told(tmp_path: Path, chosen: str) -> None:
         env=environment,
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=300,
         check=False,
     )
     assert ended.returncode == 2

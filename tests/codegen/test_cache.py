@@ -118,7 +118,7 @@ def test_two_processes_that_need_the_same_library_build_it_once(
         assert process.stdin is not None
         process.stdin.write("go\n")
         process.stdin.flush()
-    answers = [process.communicate(timeout=60)[0].strip() for process in both]
+    answers = [process.communicate(timeout=300)[0].strip() for process in both]
     assert answers == ["7", "7"]
     assert len(list(own_cache.glob("unit-*"))) == 2, "the library and its note"
     assert calls.read_text() == "once\n"

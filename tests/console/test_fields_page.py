@@ -202,7 +202,7 @@ async def test_a_large_field_is_read_while_others_are_served(stage, browser):
     served, load = threading.Event(), stage.workshop.fields.load
 
     def slow(name):
-        assert served.wait(20.0)
+        assert served.wait(120.0)
         return load(name)
 
     stage.workshop.fields.load = slow

@@ -13,7 +13,7 @@ import shapely
 pytest.importorskip("nicegui", reason="the extra `console` is not installed")
 pytest.importorskip("shapefile", reason="the extra `console` is not installed")
 
-from console_process import console_process, reaches, until
+from console_process import WAIT, console_process, reaches, until
 from console_stage import Stage
 
 from drawbar.config import load_configuration
@@ -135,7 +135,7 @@ def test_it_listens_at_loopback_only_and_is_nobody_by_itself(process):
     assert {each.action for each in words} == {Action.PRESENT}
     assert {each.seen_time for each in words} == {0}  # it has seen nothing, so that the gate takes nobody for present
     running.send_signal(signal.SIGTERM)
-    assert running.wait(60) in (0, -signal.SIGTERM)
+    assert running.wait(WAIT) in (0, -signal.SIGTERM)
     assert not (folder / ".nicegui").exists()
     assert not (folder / CONSOLE).exists()
 

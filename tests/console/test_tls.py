@@ -11,7 +11,7 @@ pytest.importorskip("nicegui", reason="the extra `console` is not installed")
 pytest.importorskip("shapefile", reason="the extra `console` is not installed")
 
 from certificates import certificate
-from console_process import PROGRAM, console_process, free_port, reaches, until
+from console_process import PROGRAM, WAIT, console_process, free_port, reaches, until
 
 from drawbar.console.passwords import save_user
 from drawbar.console.visitors import Rank
@@ -22,7 +22,7 @@ PASSWORD = "correct horse battery"
 
 def ask(port, context, method, path, body=None, **headers):
     """Return the answer to one request over TLS."""
-    line = http.client.HTTPSConnection("127.0.0.1", port, timeout=60, context=context)
+    line = http.client.HTTPSConnection("127.0.0.1", port, timeout=WAIT, context=context)
     try:
         line.request(method, path, body, headers)
         answer = line.getresponse()
@@ -53,7 +53,7 @@ def test_it_logs_in_over_tls_and_says_nothing_without(tmp_path):
         assert "instruments" in page.text
         with pytest.raises(ssl.SSLCertVerificationError):  # a client that was not given the certificate
             ask(port, ssl.create_default_context(), "GET", "/login")
-        plain = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
+        plain = http.client.HTTPConnection("127.0.0.1", port, timeout=WAIT)
         plain.request("GET", "/login")
         with pytest.raises((http.client.BadStatusLine, ConnectionError)):
             plain.getresponse()

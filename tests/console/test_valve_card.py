@@ -29,7 +29,7 @@ class Bench:
 
     def _opened(self, settings, wheelbase, motion):
         assert settings.counts == SETTINGS.counts
-        self.lines.append(PushedValve(scale=0.9, each=lambda time, line: self.goes.wait(20.0)))
+        self.lines.append(PushedValve(scale=0.9, each=lambda time, line: self.goes.wait(120.0)))
         return self.lines[-1].machine()
 
     @property

@@ -1,5 +1,6 @@
 """Calls on a cluster: every argument has its answer, and a bad call harms no other."""
 
+import json
 import math
 import os
 import signal
@@ -12,6 +13,7 @@ from pathlib import Path
 
 import pytest
 from distributed import Client
+from waiting import until
 
 from drawbar.errors import DrawbarError
 from drawbar.experiment import cluster as cluster_module
@@ -93,12 +95,9 @@ def scheduler(tmp_path: Path) -> Iterator[tuple[subprocess.Popen[bytes], str]]:
         subprocess.Popen([*program, "worker", *place, "--nthreads", "1"], **quiet) as worker,
     ):
         try:
-            for _ in range(600):
-                if (tmp_path / "scheduler.json").exists():
-                    break
-                time.sleep(0.05)
-            content = (tmp_path / "scheduler.json").read_text()
-            yield scheduler, content.split('"address": "')[1].split('"')[0]
+            file = tmp_path / "scheduler.json"
+            content = until(lambda: file.exists() and file.read_text().rstrip().endswith("}") and file.read_text())
+            yield scheduler, json.loads(content)["address"]
         finally:
             scheduler.kill()
             worker.kill()

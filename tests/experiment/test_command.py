@@ -72,7 +72,7 @@ def test_an_interrupted_experiment_goes_on_from_its_finished_runs(
     with process(*PROGRAM, *arguments, "--jobs", "2") as first:
         wait_for(lambda: len(finished(experiment)) >= 3, first)
         os.killpg(first.pid, signal.SIGINT)  # as from a keyboard: to the workers too
-        said = first.communicate(timeout=120)[0]
+        said = first.communicate(timeout=300)[0]
     assert first.returncode == 130
     assert "the same command continues" in said
     assert "Traceback" not in said
@@ -101,7 +101,7 @@ def test_a_worker_killed_on_a_cluster_loses_nothing(write_experiment: Write, two
             wait_for(lambda: len(finished(experiment)) >= 3, started)
             assert len(finished(experiment)) < 16
             doomed.kill()
-            said = started.communicate(timeout=120)[0]
+            said = started.communicate(timeout=300)[0]
     assert doomed.wait() == -signal.SIGKILL
     assert started.returncode == 1, said  # by the expected figure alone
     assert said.count("missed: ") == 1, said

@@ -43,7 +43,7 @@ def console_process(folder, port=None, **options):
         yield running, gate, port
         running.send_signal(signal.SIGTERM)
         try:
-            running.wait(30)
+            running.wait(WAIT)
         except subprocess.TimeoutExpired:
             running.kill()
     gate.close()

@@ -23,7 +23,7 @@ from drawbar.recording.scene import Scene
 from drawbar.simulation import Simulation, build_path
 from drawbar.transports.tapped import Direction
 
-PATIENCE = 20.0
+PATIENCE = 120.0
 
 
 @pytest.fixture

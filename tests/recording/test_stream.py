@@ -122,7 +122,7 @@ def test_the_next_chunk_is_unpacked_while_the_caller_works_on_one(monkeypatch: p
     monkeypatch.setattr(stream, "_unpacked", watched)
     records = read_records(written(3))
     next(records)
-    assert second.wait(10.0)
+    assert second.wait(120.0)
     assert len(list(records)) == 2
 
 

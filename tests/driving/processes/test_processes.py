@@ -6,6 +6,7 @@ import re
 import resource
 import signal
 import socket
+import subprocess
 import sys
 import time
 from types import SimpleNamespace
@@ -68,7 +69,7 @@ def test_it_steers_over_sockets_and_leaves_a_log_that_everybody_reads(processes,
     front = FrontEnd(processes, demonstrates=True)
     watch(front, lambda front: "READY=1" in notes(manager), ENGAGE)
     watch(front, steers, ENGAGE)
-    watch(front, lambda front: time.monotonic_ns() - front.state.since > 5e9, 30.0)
+    watch(front, lambda front: time.monotonic_ns() - front.state.since > 5e9, ENGAGE)
     assert front.state.state is SupervisorState.ACTIVE
     assert "WATCHDOG=1" in notes(manager)
     assert abs(front.controller.tractor_lateral_error) < 0.3
@@ -114,10 +115,10 @@ def test_a_controller_that_is_killed_ends_in_a_release_and_nothing_steers_again(
     front = FrontEnd(processes, demonstrates=True)
     watch(front, steers, ENGAGE)
     os.kill(processes.by_name["controller"].pid, signal.SIGKILL)
-    state = watch(front, lambda front: not front.state.steers, 5.0)
+    state = watch(front, lambda front: not front.state.steers, ENGAGE)
     assert state.state is SupervisorState.FAULT
     assert state.cause == Cause.CONTROLLER_GONE.value
-    processes.by_name["gate"].wait(10.0)
+    processes.by_name["gate"].wait(ENGAGE)
     assert not front.state.steers
     front.close()
 
@@ -196,14 +197,12 @@ def test_a_gate_that_is_killed_is_told_and_takes_the_controller_with_it(processe
     front = FrontEnd(processes, demonstrates=True)
     watch(front, steers, ENGAGE)
     os.kill(processes.by_name["gate"].pid, signal.SIGKILL)
-    processes.by_name["controller"].wait(10.0)
+    processes.by_name["controller"].wait(ENGAGE)
     assert {"gate", "controller"} <= set(processes.ended())
     front.close()
 
 
 def test_the_gates_process_loads_no_numpy():
-    import subprocess
-
     words = (
         "import sys, drawbar.driving.processes.gate_main; sys.exit('numpy' in sys.modules or 'casadi' in sys.modules)"
     )

@@ -314,7 +314,7 @@ def test_claims_steers_and_is_overridden_over_a_bus_in_real_time(bus: Callable[[
             devices.join()
 
 
-def _until(cab: Cab, reached: Callable[[], bool], patience: float = 20.0) -> None:
+def _until(cab: Cab, reached: Callable[[], bool], patience: float = 120.0) -> None:
     end = time.monotonic() + patience
     while not reached():
         assert time.monotonic() < end, cab.reports(time.monotonic())

@@ -95,7 +95,7 @@ def compiled(folder: Path, unit: str, host: str, calls: int, flags: tuple[str, .
 
 def counted(program: Path) -> dict[SolverStatus, int]:
     """Run the program; return how often each status came."""
-    done = subprocess.run([str(program)], capture_output=True, text=True, check=False, timeout=120)
+    done = subprocess.run([str(program)], capture_output=True, text=True, check=False, timeout=300)
     assert done.returncode == 0, done.stdout[-500:] + done.stderr[:3000]
     return dict(zip(SolverStatus, map(int, done.stdout.split()), strict=True))
 
