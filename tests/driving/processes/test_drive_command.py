@@ -1,9 +1,11 @@
 """`drawbar drive` as a program at a terminal: however it is ended, in order, and with a report."""
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import termios
 import time
 from pathlib import Path
@@ -37,14 +39,14 @@ class Terminal:
         self.shown, self._ours = "", None
         self._ours, self.theirs = os.openpty()
         self.before = termios.tcgetattr(self.theirs)
-        (folder / "tmp").mkdir()
+        self.temporary = Path(tempfile.mkdtemp())  # names of sockets must be short, those of tests' folders are long
         self.process = subprocess.Popen(
             [sys.executable, "-m", "drawbar", "drive", "--set", "path.radii=[8.0]", "--out", "run", *options],
             stdin=self.theirs,
             stdout=self.theirs,
             stderr=self.theirs,
             cwd=folder,
-            env={**os.environ, "TMPDIR": str(folder / "tmp"), "COLUMNS": "200", "TERM": "xterm"},
+            env={**os.environ, "TMPDIR": str(self.temporary), "COLUMNS": "200", "TERM": "xterm"},
             start_new_session=True,
             preexec_fn=_at_a_terminal,
         )
@@ -85,6 +87,7 @@ class Terminal:
     def close(self):
         self.process.kill()
         self.process.wait()
+        shutil.rmtree(self.temporary)
 
 
 @pytest.fixture
@@ -102,7 +105,7 @@ def test_every_signal_ends_a_drive_in_order_and_further_ones_do_no_harm(terminal
         terminal.process.send_signal(number)
     assert terminal.drain() == 0, terminal.shown
     assert (tmp_path / "run" / "report.html").is_file()
-    assert not list((tmp_path / "tmp").glob("drawbar-*"))
+    assert not list(terminal.temporary.glob("drawbar-*"))
     assert termios.tcgetattr(terminal.theirs) == terminal.before
 
 
@@ -111,7 +114,7 @@ def test_a_terminal_that_is_closed_ends_a_drive_in_order(terminal, tmp_path):
     terminal.hang_up()
     assert terminal.drain() == 0
     assert (tmp_path / "run" / "report.html").is_file()
-    assert not list((tmp_path / "tmp").glob("drawbar-*"))
+    assert not list(terminal.temporary.glob("drawbar-*"))
 
 
 @pytest.mark.parametrize(("option", "told"), [("--by-hand", True), ("--pace=1", False)])
