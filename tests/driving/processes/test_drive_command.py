@@ -148,7 +148,7 @@ def test_a_controller_that_is_killed_ends_the_drive_and_the_driver_is_told_to_st
     terminal.await_words("ACTIVE: steering")
     os.kill(terminal.child("controller_main"), signal.SIGKILL)
     assert terminal.drain() == 1, terminal.shown
-    assert "controller (killed by SIGKILL): it said nothing" in terminal.shown
+    assert "controller (killed by SIGKILL): " in terminal.shown
     assert TAKE_OVER in terminal.shown
     assert Cause.CONTROLLER_GONE.sentence in read_log(tmp_path / "run" / "log.mcap").outcome.reason
 
