@@ -4,10 +4,12 @@ import math
 import sys
 import threading
 import time
+from types import SimpleNamespace
 
 import pytest
 from board_server import BoardServer
 from typer.testing import CliRunner
+from waiting import PatientClock
 
 from drawbar.cli.main import app
 from drawbar.config import load_configuration
@@ -105,11 +107,13 @@ def test_it_waits_until_the_vehicle_rolls():
     assert run.judged().passed
 
 
-def test_it_passes_over_a_real_socket():
-    server = BoardServer(AioV4(MotorWheel(rate=RATE), start=time.monotonic()), port=0)
+def test_it_passes_over_a_real_socket(monkeypatch):
+    clock = PatientClock()
+    monkeypatch.setattr(wiggle, "time", SimpleNamespace(monotonic=clock, sleep=time.sleep))
+    server = BoardServer(AioV4(MotorWheel(rate=RATE), start=clock()), port=0, clock=clock)
     host, port = server.address
     settings = SteerBoardSettings(address=f"{host}:{port}", listen="127.0.0.1:0", max_angle=0.5)
-    wires = Wires([Wire(transport=open_transport(settings.transport), tractor=settings.actuator())])
+    wires = Wires([Wire(transport=open_transport(settings.transport, clock), tractor=settings.actuator())])
     stop = threading.Event()
     thread = threading.Thread(target=server.run, args=(stop,))
     thread.start()

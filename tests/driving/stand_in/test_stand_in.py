@@ -64,7 +64,10 @@ def served(file, tmp_path, *options):
 
 def test_the_wiggle_test_is_passed_against_a_stand_in(configuration, tmp_path):
     with served(configuration[1], tmp_path):
-        found = dict(wiggle_both(configuration[0]))
+        for _ in range(ATTEMPTS):
+            found = dict(wiggle_both(configuration[0]))
+            if not any("missing or old" in words for each in found.values() for words in each.refusals):
+                break
     assert all(each.passed for each in found.values()), found
     assert found.keys() == {"front wheels", "joint"}
 

@@ -42,7 +42,7 @@ _ROOM = 1_000_000
 """with less free space a disk is full, bytes"""
 _ENDING, _WRITING = 5.0, 30.0
 """within which a process must end that was told to, and the recorder have written what waits, s"""
-_STARTING = 30.0
+_STARTING = 120.0
 """within which a process must have opened its socket, s"""
 
 
