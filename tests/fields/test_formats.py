@@ -78,6 +78,7 @@ def coordinates(shape: bytes) -> list[tuple[float, float]]:
     return [(numbers[i], numbers[i + 1]) for i in range(0, len(numbers), width)]
 
 
+@pytest.mark.filterwarnings("ignore:The 'generic' unit:DeprecationWarning")  # pyogrio beside numpy 2.5
 @pytest.mark.skipif(sys.getfilesystemencoding() != "utf-8", reason="GDAL takes names of files for UTF-8")
 @pytest.mark.parametrize("kind", [kind for kind in GDAL if kind != "CSV"])
 def test_gdal_reads_what_is_written(kind: str, tmp_path: Path) -> None:

@@ -66,6 +66,21 @@ def test_boards_that_answer_are_told_with_their_own_address(firmware, listen):
     assert not any("answers the scan" in problem for problem in findings["tractor board"].problems)
 
 
+def test_a_board_is_not_silent_where_a_busy_computer_did_not_ask_it(listen, monkeypatch):
+    whole = check.poll_times
+
+    def with_a_pause(seconds):
+        yield from whole(seconds)
+        time.sleep(0.6)
+        yield time.monotonic()
+
+    monkeypatch.setattr(check, "poll_times", with_a_pause)
+    with running(AioV4(HeldWheel(), start=time.monotonic())) as address:
+        finding = check.listen_to_board("tractor board", settings(address, listen), 1.0)
+    assert finding.facts == ["angle 0.0°, ready"]
+    assert finding.problems == []
+
+
 def test_a_board_at_another_address_than_the_configured_one_is_found_by_broadcast(monkeypatch):
     (port,) = free_ports(socket.SOCK_DGRAM, 1)
     monkeypatch.setattr(board_scan, "BOARD_PORT", port)

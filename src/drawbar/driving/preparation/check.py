@@ -21,7 +21,7 @@ from drawbar.machine.hardware.isobus import IsobusSettings
 from drawbar.machine.hardware.receiver import ReceiverSettings
 from drawbar.machine.hardware.sensor_line import SensorBoardSettings, SensorLine
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
-from drawbar.protocols.actuator import Readiness, SteeringRequest
+from drawbar.protocols.actuator import Readiness, SteeringReport, SteeringRequest
 from drawbar.protocols.agopengps.frame import STEER_BOARD
 from drawbar.protocols.agopengps.network import ScanReply
 from drawbar.protocols.bare_valve import ValveBoard
@@ -145,17 +145,19 @@ def _perhaps(reply: ScanReply) -> str:
 
 def listen_to_board(name: str, settings: SteerBoardSettings, seconds: float) -> Finding:
     """Return what a board reports that is sent "not steering" for so many seconds."""
-    finding, tick = Finding(device=name), 0.0
+    finding, report, tick, looked = Finding(device=name), SteeringReport(), 0.0, 0.0
     (wire,) = board_wires({"tractor": settings})
     wires, transport = Wires([wire]), wire.transport
     assert isinstance(transport, Transport)
     for now in poll_times(seconds):
         wires.receive()
+        # after a pause of a busy computer the board seems silent, which was asked nothing meanwhile
+        if now - looked <= _TICK or not math.isfinite(report.angle_time):
+            report = wires.steering(now)[0] or report
+        looked = now
         if now >= tick:
             tick = now + _TICK
             wires.send(now, (_OFF, _OFF), _STOP)
-    report, _ = wires.steering(time.monotonic())
-    assert report is not None
     finding.received = math.isfinite(report.angle_time)
     if finding.received:
         finding.facts.append(f"angle {math.degrees(report.angle):.1f}°, {report.readiness.name.lower()}")
