@@ -4,12 +4,15 @@ import socket
 import threading
 import time
 from contextlib import contextmanager
+from functools import partial
+from types import SimpleNamespace
 
 import pytest
 from board_server import BoardServer
+from waiting import PatientClock
 
 from drawbar.config import load_configuration
-from drawbar.driving.preparation import board_memory
+from drawbar.driving.preparation import board_memory, check, finding
 from drawbar.driving.preparation.finding import Finding
 from drawbar.driving.stand_in.demonstration import free_ports, with_stand_ins
 from drawbar.machine.hardware.sensor_line import SensorBoardSettings
@@ -23,10 +26,20 @@ HITCH = {"hitch_counts": (0, 1, 2, 3, 4), "hitch_angles": (-0.5, -0.25, 0.0, 0.2
 MEMORY = BoardMemory(gain=70, counts_per_degree=41, offset=-12, invert_motor=True)
 
 
+CLOCK = PatientClock()
+
+
+@pytest.fixture(autouse=True)
+def patient(monkeypatch):
+    """Let a busy machine make no board late."""
+    monkeypatch.setattr(finding, "time", SimpleNamespace(monotonic=CLOCK))
+    monkeypatch.setattr(check, "board_wires", partial(check.board_wires, clock=CLOCK))
+
+
 @contextmanager
 def running(board):
     """Let a board answer; yield the devices of a machine whose front wheels it turns, and nothing measures speed."""
-    server, stop = BoardServer(board, port=0), threading.Event()
+    server, stop = BoardServer(board, port=0, clock=CLOCK), threading.Event()
     thread = threading.Thread(target=server.run, args=(stop,))
     thread.start()
     listen = "127.0.0.1:{}".format(*free_ports(socket.SOCK_DGRAM, 1))
@@ -42,7 +55,7 @@ def running(board):
 
 @pytest.fixture
 def board():
-    return AioV4(HeldWheel(), start=time.monotonic())
+    return AioV4(HeldWheel(), start=CLOCK())
 
 
 def test_a_board_stores_all_values(board):
