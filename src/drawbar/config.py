@@ -149,7 +149,8 @@ class Configuration(Settings):
             if not limit <= stop:
                 raise ValueError(
                     f"vehicle.{body}_steering_limit = {limit} rad is beyond the machine's mechanical stop, "
-                    f"machine.actuators.{body}_stop = {stop} rad; lower it"
+                    f"machine.actuators.{body}_stop = {stop} rad; lower it, "
+                    "or raise the other where the machine turns further"
                 )
         return self
 

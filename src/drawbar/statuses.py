@@ -44,6 +44,10 @@ class Status(IntEnum):
         145,
         "stopped: a roll sensor contradicts the other angles or the swing of its antenna: it is reversed or stuck",
     )
+    JUMPED = (
+        146,
+        "stopped: both positions have jumped together: the base station, or a receiver's solution, has changed",
+    )
 
     NULL = 256, "wrong call: a pointer is NULL"
     NOT_INITIALISED = 257, "wrong call: drawbar_init has not been called on this state"

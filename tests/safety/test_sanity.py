@@ -192,6 +192,46 @@ def test_a_jump_of_both_antennas_is_no_motion(jump: float) -> None:
         assert sanity.look(seen, estimate(), beside(0.0), beside(0.0)) == (0, 1.0)
 
 
+def jumped(begin: int, tractor: float, trailer: float, coarse: range = range(0)) -> list[int]:
+    """Return the statuses of a drive whose estimate leaps so far (m) to the left at a sample; some fixes are coarse."""
+    sanity, statuses = Sanity(), []
+    for k in range(60):
+        seen = measurement(k, deviation=0.4 if k in coarse else 0.02)
+        y = (tractor, trailer) if k >= begin else (0.0, 0.0)
+        x = (seen.tractor_x, seen.trailer_x)
+        bodies = [Pose(x=each, y=left, yaw=0.0) for each, left in zip(x, y, strict=True)]
+        statuses.append(sanity.look(seen, believed(*bodies, speed=1.0), beside(0.0), beside(0.0))[0])
+    return statuses
+
+
+@pytest.mark.parametrize("left", [-0.33, 0.33, 100.0])
+def test_positions_that_jump_together_end_the_run(left: float) -> None:
+    assert [k for k, status in enumerate(jumped(30, left, left)) if status] == [30]
+    assert jumped(30, left, left)[30] == Status.JUMPED
+
+
+def test_small_jumps_and_those_of_one_body_do_not() -> None:
+    for tractor, trailer in ((0.29, 0.29), (0.5, 0.0), (0.0, 0.5)):
+        assert not any(jumped(30, tractor, trailer))
+
+
+def test_a_correction_after_coarse_positions_and_at_the_beginning_is_no_jump() -> None:
+    assert not any(jumped(30, 0.5, 0.5, coarse=range(10, 30)))
+    assert not any(jumped(10, 0.5, 0.5))
+    assert any(jumped(50, 0.5, 0.5, coarse=range(10, 30)))
+
+
+def test_a_second_without_a_sample_in_a_fast_curve_is_no_jump() -> None:
+    sanity, radius, speed = Sanity(), 8.0, 3.0
+    times = [SAMPLE * k for k in range(30)] + [SAMPLE * k + 0.8 for k in range(30, 40)]
+    for time in times:
+        turned = speed * time / radius
+        body = Pose(x=radius * math.sin(turned), y=radius * (1.0 - math.cos(turned)), yaw=turned)
+        seen = replace(measurement(0, speed=speed), time=time)
+        told = believed(body, body, speed=1.1 * speed)
+        assert sanity.look(seen, told, beside(0.0, 1.0 / radius), beside(0.0))[0] == 0
+
+
 def test_noise_at_standstill_and_at_a_creep_is_no_motion() -> None:
     rng = np.random.default_rng(1)
     for speed in (0.0, 0.3):

@@ -281,8 +281,9 @@ ERRORS_DE: Mapping[str, str] = {
         "Fahrtempo {0} m/s ist schneller, als das simulierte Fahrzeug fahren kann, {1} m/s; senken, oder, wo die "
         "Maschine schneller ist, machine.hydrostat.full_speed erhöhen",
     "vehicle.{}_steering_limit = {} rad is beyond the machine's mechanical stop, machine.actuators.{}_stop = {} rad; "
-    "lower it":
-        "der Lenkwinkel {1} rad liegt hinter dem Anschlag, {3} rad; senken",
+    "lower it, or raise the other where the machine turns further":
+        "der Lenkwinkel {1} rad liegt hinter dem Anschlag, {3} rad; senken, oder, wo die Maschine weiter lenkt, "
+        "machine.actuators.{2}_stop erhöhen",
     "track = {} is given without a file; give path.file too, or leave track out":
         "Linie {0} ohne Datei; path.file auch angeben",
     "{} is too large against the weights on the errors: a correction would take {} s, at most {} s is allowed with "

@@ -1,5 +1,5 @@
-/* Sanity: faults that no controller can correct, and that slow the vehicle down or end the run: positions that stay coarse, a
- * loop that oscillates, a vehicle that moves against its heading, a hitch angle that contradicts the motion. */
+/* Sanity: faults that no controller can correct, and that slow the vehicle down or end the run: positions that stay coarse, or
+ * jump together, a loop that oscillates, a vehicle that moves against its heading, a hitch angle that contradicts the motion. */
 #ifndef DRAWBAR_SANITY_H
 #define DRAWBAR_SANITY_H
 
@@ -15,19 +15,24 @@
 #define MOTION_LEAST 0.3                   /* distance within it that determines the direction of motion, m */
 #define MOTION_SHARP 0.8                   /* largest share of it, backwards, by one sample, which may be false */
 #define MOTION_SHARE 0.3                   /* share of that distance, backwards, that a point must move */
+#define JUMP_MEMORY 3.0                    /* without a fine position an estimate is corrected by much: for how long a jump does
+                                            * not count after that, s */
+#define JUMP_SHARE 0.1                     /* share of what the wheels cover that they may be wrong by */
 #define MOST_SPELLS 2                      /* how often a run may begin to oscillate */
 #define SWING_SPEED 0.1                    /* below which a vehicle shows no calm, m/s */
 
 struct component {
     /* settings, described in safety/sanity.py */
-    double fine, coarse_after, coarse_share, coarse_budget;
+    double fine, coarse_after, coarse_share, coarse_budget, jump;
     double swing, steering_swing, swing_share, swing_calm;
     struct hitch_watch hitch;
     double wheelbase;                      /* m */
     double position;                       /* standard deviation of a fix whose receiver reports none, m */
     int32_t swings_slow, swings_stop;      /* half waves */
     /* state */
-    time_stamp time, last_fine;            /* of the last sample, of the last fine fix */
+    time_stamp time, last_fine, last_none; /* of the last sample, of the last fine fix, and of the last sample for which no
+                                              receiver reported a fine position, accepted or not */
+    struct drawbar_pose bodies[2];         /* of the last estimate */
     double fixes[4];                       /* of the last sample, m */
     double distance, moved[2];             /* recent, by the wheels; of both points along their bodies, m */
     double observed[2];                    /* part of that distance with fixes of each point, m */
@@ -41,6 +46,7 @@ struct component {
 #define COMPONENT_FIELDS                                                                                          \
     SETTING(component, fine, 0, 1, 0, 0) SETTING(component, coarse_after, 0, 1, 0, 0)                                  \
     SETTING(component, coarse_share, 0, 1, 0, 0) SETTING(component, coarse_budget, 0, 1, 0, 0)                         \
+    SETTING(component, jump, 0, 1, 0, 0)                                                                               \
     SETTING(component, swing, 0, 1, 0, 0) SETTING(component, steering_swing, 0, 1, 0, 0)                               \
     SETTING(component, swing_calm, 0, 1, 0, 0)                                                                         \
     HITCH_WATCH_FIELDS(component, hitch)                                                                               \
@@ -97,6 +103,29 @@ static inline int moves_backwards(struct component *sanity, const struct drawbar
         || (sanity->distance > MOTION_LEAST && (has_moved_back(sanity, 0) || has_moved_back(sanity, 1)));
 }
 
+/* How far a body is from where its wheels have taken it since the last estimate, m. */
+static inline double leap(const struct drawbar_pose *before, const struct drawbar_pose *now, double covered)
+{
+    const double yaw = before->yaw + 0.5 * wrapped(now->yaw - before->yaw);
+
+    return hypot(now->x - before->x - covered * cos(yaw), now->y - before->y - covered * sin(yaw));
+}
+
+/* Whether both bodies have leapt: both positions have overruled the estimate. */
+static inline int has_jumped(struct component *sanity, double time, const struct drawbar_estimate *estimate)
+{
+    const struct drawbar_pose bodies[] = {estimate->tractor, estimate->trailer};
+    const double covered = estimate->longitudinal_slip * estimate->speed * (time - sanity->time);
+    const double most = sanity->jump + JUMP_SHARE * fabs(covered);
+    const int leapt = leap(&sanity->bodies[0], &bodies[0], covered) > most
+        && leap(&sanity->bodies[1], &bodies[1], covered) > most;
+
+    memcpy(sanity->bodies, bodies, sizeof bodies);
+    if (isnan(sanity->fixes[0]) && isnan(sanity->fixes[2]))
+        sanity->last_none = time;
+    return leapt && time - sanity->last_none > JUMP_MEMORY;
+}
+
 /* How many half waves in a row either error or the steering has swung. */
 static inline int32_t swings_of(struct component *sanity, const struct drawbar_estimate *estimate,
                                 const struct drawbar_body_reference *tractor,
@@ -137,11 +166,12 @@ int UNIT(look)(struct component *sanity, const struct drawbar_measurement *repor
                double *share)
 {
     if (!sanity->initialised) {
-        sanity->last_fine = sanity->time = measurement->time;
+        sanity->last_fine = sanity->last_none = sanity->time = measurement->time;
         sanity->initialised = 1;
     }
     const double coarse = without_fine(sanity, measurement, estimate), elapsed = measurement->time - sanity->time;
     const int backwards = moves_backwards(sanity, measurement, estimate);
+    const int jumped = has_jumped(sanity, measurement->time, estimate);
     const int contradiction = hitch_look(&sanity->hitch, reported->hitch_angle, measurement, estimate, departure, elapsed);
     sanity->time = measurement->time;
     const int32_t swings = swings_of(sanity, estimate, tractor, trailer);
@@ -150,6 +180,8 @@ int UNIT(look)(struct component *sanity, const struct drawbar_measurement *repor
     *share *= coarse > sanity->coarse_after ? sanity->coarse_share : 1.0;
     if (backwards)
         return DRAWBAR_BACKWARDS;
+    if (jumped)
+        return DRAWBAR_JUMPED;
     if (contradiction)
         return contradiction;
     if (coarse > sanity->coarse_budget)

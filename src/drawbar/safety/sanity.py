@@ -28,6 +28,8 @@ class SanitySettings(Settings):
     """part of the set speed then"""
     coarse_budget: Positive = 30.0
     """time with coarse fixes only after which the run ends, s"""
+    jump: Positive = 0.3
+    """distance of both bodies, all at once, from where their wheels have taken them, at which the run ends, m"""
     hitch: PositiveAngle = 0.15
     """difference of the measured hitch angle from the estimated one that is a contradiction on any ground, rad"""
     hitch_mean: PositiveAngle = 0.0489

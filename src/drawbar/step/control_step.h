@@ -185,6 +185,7 @@ static int watch_run(struct autopilot *a, const struct drawbar_measurement *meas
     const struct drawbar_estimate *now = &a->made.estimate;
     const struct drawbar_body_reference *tractor = &a->made.references[TRACTOR_BODY];
     double departure;
+    int ended;
 
     switch (drawbar_run_monitor_watch(COMPONENT(a->run_monitor), now, tractor)) {
     case OFF_COURSE:
@@ -193,8 +194,9 @@ static int watch_run(struct autopilot *a, const struct drawbar_measurement *meas
         return DRAWBAR_BLIND;
     default:
         drawbar_alignment_departure(COMPONENT(a->alignment), &departure);
-        return drawbar_sanity_look(COMPONENT(a->sanity), measurement, aligned, now, tractor,
-                                   &a->made.references[TRAILER_BODY], departure, &a->sane);
+        ended = drawbar_sanity_look(COMPONENT(a->sanity), measurement, aligned, now, tractor,
+                                    &a->made.references[TRAILER_BODY], departure, &a->sane);
+        return ended == DRAWBAR_JUMPED && a->released ? 0 : ended; /* an engagement begins where the vehicle is then */
     }
 }
 

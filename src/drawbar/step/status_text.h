@@ -52,6 +52,8 @@ const char *drawbar_status_text(int status)
         return "stopped: the hitch angle contradicts the motion of both bodies";
     case DRAWBAR_ROLL:
         return "stopped: a roll sensor contradicts the other angles or the swing of its antenna: it is reversed or stuck";
+    case DRAWBAR_JUMPED:
+        return "stopped: both positions have jumped together: the base station, or a receiver's solution, has changed";
     case DRAWBAR_NULL:
         return "wrong call: a pointer is NULL";
     case DRAWBAR_NOT_INITIALISED:
