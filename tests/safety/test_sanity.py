@@ -20,7 +20,7 @@ SAMPLE = 0.2
 LONGEST_SWING = 8.0
 
 
-def estimate(yaw: float = 0.0, steering: float = 0.0, speed: float = 1.0) -> Estimate:
+def estimate(yaw: float = 0.0, steering: float = 0.0, speed: float = 0.0) -> Estimate:
     pose = Pose(x=0.0, y=0.0, yaw=yaw)
     return believed(pose, pose, tractor_steering=steering, speed=speed)
 
@@ -42,7 +42,7 @@ def watched(errors: Iterable[float], steerings: Iterable[float] | None = None) -
     sanity, values = Sanity(), list(errors)
     angles = list(steerings) if steerings is not None else [0.0] * len(values)
     return [
-        sanity.look(measurement(k), estimate(steering=angle), beside(error), beside(0.0))
+        sanity.look(measurement(k), estimate(steering=angle, speed=1.0), beside(error), beside(0.0))
         for k, (error, angle) in enumerate(zip(values, angles, strict=True))
     ]
 
