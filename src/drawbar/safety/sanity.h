@@ -112,10 +112,10 @@ static inline double leap(const struct drawbar_pose *before, const struct drawba
 }
 
 /* Whether both bodies have leapt: both positions have overruled the estimate. */
-static inline int has_jumped(struct component *sanity, double time, const struct drawbar_estimate *estimate)
+static inline int has_jumped(struct component *sanity, time_stamp time, const struct drawbar_estimate *estimate)
 {
     const struct drawbar_pose bodies[] = {estimate->tractor, estimate->trailer};
-    const double covered = estimate->longitudinal_slip * estimate->speed * (time - sanity->time);
+    const double elapsed = time - sanity->time, covered = estimate->longitudinal_slip * estimate->speed * elapsed;
     const double most = sanity->jump + JUMP_SHARE * fabs(covered);
     const int leapt = leap(&sanity->bodies[0], &bodies[0], covered) > most
         && leap(&sanity->bodies[1], &bodies[1], covered) > most;
