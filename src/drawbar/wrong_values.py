@@ -22,6 +22,8 @@ def explained(problem: Any, data: dict[str, Any], *, root: str = "configuration"
     message = problem["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
     if "discriminator" in context:  # pydantic names the key, or the function that finds it
         context["discriminator"] = repr(context["discriminator"].strip("'_()"))
+        if "expected_tags" in context:  # "external" is what a class of one's own becomes
+            context["expected_tags"] = context["expected_tags"].replace("'external'", "MODULE:CLASS of your own")
     reason = _REASONS[kind].format(**context) if kind in _REASONS else message
     # a whole section is not shown: its message says what is wrong in it
     whole = isinstance(problem["input"], dict) and kind in (*_REASONS, "value_error")

@@ -3,12 +3,15 @@
 import errno
 import os
 import sys
+import threading
+import time
 from types import SimpleNamespace
 
 import pytest
 
-from drawbar.cli.drive import _drive, _run
+from drawbar.cli.drive import _drive, _report, _run
 from drawbar.cli.interrupts import Interrupts
+from drawbar.errors import StorageError
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="real machines are driven by Linux only")
 
@@ -60,10 +63,51 @@ def test_a_terminal_that_is_gone_before_its_signal_is_heard_ends_a_drive_in_orde
     assert processes.front.closed
 
 
+def test_a_terminal_that_is_gone_ends_a_drive_though_its_signal_is_ignored(processes, monkeypatch):
+    class Silent(Terminal):
+        def show(self):
+            pass
+
+        def tell_losses(self):
+            return True
+
+    monkeypatch.setattr("drawbar.driving.operator.terminal.Terminal", Silent)
+    ours, theirs = os.openpty()
+    with open(theirs, encoding="utf-8") as gone:
+        monkeypatch.setattr("sys.stdin", gone)
+        processes.options = SimpleNamespace(clock=time.monotonic)
+        hang_up = threading.Timer(0.2, os.close, [ours])
+        hang_up.start()
+        begin = time.monotonic()
+        assert not _drive(processes, Interrupts(), demonstrates=False, seconds=20.0)
+        assert time.monotonic() - begin < 10.0
+        hang_up.join()
+    assert processes.front.closed
+
+
 def test_output_that_fails_while_the_terminal_is_there_is_told(processes):
     with pytest.raises(OSError, match="cannot be written to"):
         _drive(processes, Interrupts(), demonstrates=False, seconds=1.0)
     assert processes.front.closed
+
+
+class Ended:
+    """Processes of a drive that is over, and what they have said."""
+
+    def __init__(self, said, killed=()):
+        self.said, self.killed = said, killed
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *what):
+        pass
+
+    def output(self):
+        return self.said
+
+    def close(self):
+        pass
 
 
 @pytest.mark.parametrize(
@@ -75,18 +119,21 @@ def test_output_that_fails_while_the_terminal_is_there_is_told(processes):
     ],
 )
 def test_what_the_processes_could_not_have_is_told_at_the_start(monkeypatch, capsys, said, told):
-    class Processes:
-        def __enter__(self):
-            return self
-
-        def __exit__(self, *what):
-            pass
-
-        def output(self):
-            return said
-
     monkeypatch.setattr("drawbar.cli.drive._drive", lambda *arguments, **options: False)
-    assert not _run(Processes(), None, Interrupts(), demonstrates=False, seconds=0.0)
+    assert not _run(Ended(said), None, Interrupts(), demonstrates=False, seconds=0.0)
     shown = capsys.readouterr().out
     assert shown.endswith(told) if len(said) < 2 else told in shown
     assert bool(said) == bool(shown.strip())
+
+
+def test_a_recorder_that_could_not_write_all_is_told(monkeypatch, capsys):
+    monkeypatch.setattr("drawbar.cli.drive._drive", lambda *arguments, **options: False)
+    assert not _run(Ended([], killed=["recorder"]), None, Interrupts(), demonstrates=False, seconds=0.0)
+    assert "the end of the drive is lost" in capsys.readouterr().out
+
+
+def test_a_run_whose_folder_went_away_is_told(tmp_path):
+    with pytest.raises(
+        StorageError, match="not there any more: the folder was moved or removed, or its disk unmounted"
+    ):
+        _report(tmp_path, shadow=False)

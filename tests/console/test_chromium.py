@@ -15,7 +15,7 @@ from contextlib import suppress
 
 import pytest
 from chromium import open_chromium
-from console_process import free_port
+from console_process import console_process, free_port, reaches, until
 from patience import PATIENT
 
 from drawbar.console import screenshots
@@ -277,6 +277,37 @@ def test_a_page_that_is_cut_off_says_that_its_picture_is_old(drive, somebody_els
     assert page.locator(".bar").evaluate(GREEN_BAR) == page.locator(".bar").evaluate(IDLE), "an old state is not green"
     page.locator("#popup[aria-hidden=false]").wait_for(state="attached")
     assert page.locator("#popup").evaluate("(each) => getComputedStyle(each).display") == "none"
+
+
+LATE = """async ([url, ages]) => {
+  const { data, methods } = (await import(url)).default;
+  const page = { ...data(), ...methods, quickest: Infinity, state: null, $emit() {}, paint() {} };
+  return ages.map((age) => {
+    page.draw({ sent: performance.now() - age, stale: false, state: "ACTIVE", seen: 1, bodies: [], chips: [] });
+    return page.old;
+  });
+}"""
+"""draws pictures that came so much later than the first one, ms, and returns which of them are said to be old"""
+
+
+def test_pictures_that_waited_for_a_frozen_browser_are_old(drive, page):
+    page.goto(drive)
+    page.locator("body:not(.old-picture)").wait_for()
+    (url,) = (each for each in page.asked if "instruments.js" in each)
+    ages = [300.0, 800.0, 60_000.0, 1900.0, 200.0, -60_000.0, -58_000.0, -59_900.0]  # its clock stands while it sleeps
+    old = [False, False, True, True, False, False, True, False]
+    assert page.evaluate(LATE, [url, ages]) == old
+
+
+def test_a_page_is_loaded_again_once_its_console_was_started_again(somebody_else, tmp_path):
+    page = _page(somebody_else)
+    with console_process(tmp_path) as (_, _, port):
+        until(lambda: reaches("127.0.0.1", port))
+        page.goto(f"http://127.0.0.1:{port}/")
+        page.wait_for_function("window.socket?.connected")
+        page.evaluate("window.before = true")
+    with console_process(tmp_path, port):
+        page.wait_for_function("!window.before && window.socket?.connected")
 
 
 def test_a_lost_connection_is_told_in_german_too(drive, somebody_else):

@@ -174,6 +174,35 @@ async def test_control_is_handed_over_by_asking_and_giving(stage, browser):
 
 
 @staged
+async def test_whoever_leaves_the_page_no_longer_asks_for_control(stage, browser):
+    one = await ready(stage, browser)
+    other = await browser().open()
+    one.press("1 Prepare")
+    stage.run(0.3, one, other)
+    other.press("Ask for control")
+    stage.run(9.0, one)
+    assert "Operator 2 asks for control" in one.text(), "a network that is bad for a while"
+    stage.run(2.0, one)
+    assert "asks for control" not in one.text()
+    assert not one.enabled("Give control")
+    stage.run(2.0, one, other)
+    assert "asks for control" not in one.text(), "asked long ago"
+
+
+@staged
+async def test_whoever_logs_out_no_longer_asks_for_control(stage, browser):
+    one = await ready(stage, browser)
+    other = await browser().open()
+    one.press("1 Prepare")
+    stage.run(0.3, one, other)
+    other.press("Ask for control")
+    stage.run(0.3, one, other)
+    other.page._visitor.is_known = False
+    stage.run(0.3, one, other)
+    assert "asks for control" not in one.text()
+
+
+@staged
 async def test_control_is_not_given_while_driving(stage, browser):
     one = await driving(stage, browser)
     other = await browser().open()

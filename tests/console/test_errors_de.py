@@ -55,7 +55,6 @@ CALIBRATION = (
 )
 """whose texts are refusals and names"""
 NOT_MET = {
-    "guidance/importers/csv.py",  # the console reads its own CSV files, of degrees
     "console/passwords.py",  # of the command line
     "console/errors_de.py",
     "console/refusals_de.py",
@@ -168,6 +167,10 @@ def test_values_are_translated_and_numbers_get_commas():
     text = "a.kml: the boundary has 2 different point(s); it needs at least 3"
     assert Words("de").message(text) == "a.kml: die Grenze hat 2 verschiedene(n) Punkt(e); mindestens 3 sind nötig"
     assert Words("en").message(text) == text
+    assert "(39,6; -0,8) m" in Words("de").message(
+        "line 'a' cannot be made drivable: near (39.6, -0.8) m its curvature stays at 2.5 1/m; at most 0.3 1/m is "
+        "allowed: redraw the line without this turn"
+    )
     assert "0,42 m" in Words("de").message("A and B are 0.42 m apart; 1 m are needed: drive on, then set B")
     assert Words("de").message("something else: 1.5") == "something else: 1.5"
 

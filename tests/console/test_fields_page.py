@@ -262,7 +262,7 @@ async def hand_over(one, name, data):
 async def test_a_file_is_imported_and_the_field_exported(stage, browser):
     one = await browser().open("/fields")
     assert await hand_over(one, "hill.zip", WRITERS["Shapefile"][1](FIELD)) == 200
-    await until(lambda: "Imported hill: 2 lines" in one.notifications())
+    await until(lambda: "Imported hill, lines: 2" in one.notifications())
     kept = stage.workshop.fields.load("hill")
     assert [line.name for line in kept.lines] == ["AB", "bent"]
     assert kept.boundary is not None

@@ -79,8 +79,8 @@ def test_the_drawn_bodies_are_joined_where_the_vehicle_is(record):
 
 
 def test_away_from_any_line_both_bodies_are_drawn_where_their_receivers_are():
-    place = moving_by_hand((10.0, 5.0, math.nan), fixes_of(7.0, 5.0), (-1.0, 1.5))
-    assert place.tractor == (10.0, 5.0, 0.0), "it faces away from the trailer's antenna"
+    place = moving_by_hand((10.0, 5.0, 0.0), fixes_of(7.0, 5.0), (-1.0, 1.5))
+    assert place.tractor == (10.0, 5.0, 0.0)
     assert place.trailer == (7.0, 5.0, 0.0)
     turning = moving_by_hand((10.0, 5.0, 0.5 * math.pi), fixes_of(8.0, 4.0), (-1.0, 1.5))
     assert turning.trailer == pytest.approx((8.0, 4.0, 0.0)), "it faces where the tractor pulls it"

@@ -138,6 +138,9 @@ async def test_versions_build_on_each_other_and_one_can_go_back(stage, browser):
         one.press("Save as a new version")
     newest, first = stage.workshop.versions.all()
     assert (first.number, newest.number) == (1, 2)
+    buttons = [each for each in one.user.client.elements.values() if isinstance(each, ui.button)]
+    assert "Go on from this" in [each.text for each in buttons]
+    assert not [each.text for each in buttons if "color" in each.props], "Quasar's colours hide the words on them"
     one.page._go_back(first)
     assert number(one, "vehicle.wheelbase").value == 150.0
     number(one, "vehicle.hitch_length").set_value(120.0)

@@ -11,6 +11,7 @@ from console_stage import Stage
 
 from drawbar.console.surveyor import Surveyor
 from drawbar.errors import PathError
+from drawbar.geometry import arm_offset
 from drawbar.vehicle.parameters import Mast
 
 EAST, NORTH = 0.0, math.pi / 2.0
@@ -38,7 +39,7 @@ def test_without_a_yaw_an_antenna_that_is_not_above_the_axle_says_nothing():
     stage = Stage()
     aside = Surveyor(Mast(forward=2.0), lambda: stage.now)
     assert heard(stage, aside) is None
-    with pytest.raises(PathError, match="RTK-fixed"):
+    with pytest.raises(PathError, match="where the tractor faces"):
         aside.here()
     above = Surveyor(Mast(up=3.0), lambda: stage.now)
     assert heard(stage, above)[:2] == (10.0, 20.0)
@@ -51,3 +52,64 @@ def test_old_positions_and_those_that_are_not_fixed_are_none():
     assert heard(stage, surveyor) is not None
     stage.now += 1_100_000_000
     assert surveyor.place is None
+    with pytest.raises(PathError, match="RTK-fixed"):
+        surveyor.here()
+
+
+SAMPLE = 0.2
+"""s"""
+
+
+def drive_circle(stage, surveyor, *, mast, seconds, speed, curvature=0.12, roll=0.1, start=(10.0, 20.0, 0.3)):
+    """Drive by hand, away from any line, so that nothing estimates the yaw; return where the axle is and was put."""
+    stage.link.surveyor, stage.link.moving = surveyor, None
+    x, y, yaw = start
+    true, put = [], []
+    for _ in range(round(seconds / SAMPLE)):
+        step, turned = speed * SAMPLE, curvature * speed * SAMPLE
+        x, y, yaw = x + step * math.cos(yaw + turned / 2), y + step * math.sin(yaw + turned / 2), yaw + turned
+        east, north = arm_offset(yaw, roll, 0.0, mast.arm)
+        forward, left = curvature * mast.forward, 1.0 - curvature * mast.left
+        course = yaw + math.atan2(forward, left)
+        stage.now += int(SAMPLE * 1e9)
+        stage.receive_fixes(x + east, y + north, course=course, tractor_speed=speed, tractor_roll=roll)
+        true.append((x, y, yaw))
+        put.append(surveyor.place)
+    return true, put
+
+
+def test_an_antenna_ahead_of_the_axle_tells_in_a_curve_where_the_axle_is():
+    stage, mast = Stage(), Mast(forward=1.5, left=0.4, up=2.5)
+    surveyor = Surveyor(mast, lambda: stage.now)
+    true, put = drive_circle(stage, surveyor, mast=mast, seconds=20.0, speed=1.0)
+    for (x, y, _), (east, north, _) in list(zip(true, put, strict=True))[50:]:
+        assert math.dist((x, y), (east, north)) < 0.02
+
+
+@pytest.mark.parametrize("mast", [Mast(forward=1.5, up=2.5), Mast(left=0.5), Mast()])
+def test_a_tractor_that_creeps_and_stands_away_from_any_line_is_known_as_before(mast):
+    stage = Stage()
+    surveyor = Surveyor(mast, lambda: stage.now)
+    [*_, last], _ = drive_circle(stage, surveyor, mast=mast, seconds=6.0, speed=1.0, curvature=0.0)
+    [*_, last], put = drive_circle(stage, surveyor, mast=mast, seconds=20.0, speed=0.2, curvature=0.1, start=last)
+    true, stood = drive_circle(stage, surveyor, mast=mast, seconds=4.0, speed=0.0, start=last)
+    assert all(put)
+    assert math.dist(true[-1][:2], stood[-1][:2]) < 0.02
+    assert stood[-1][2] == pytest.approx(
+        true[-1][2], abs=0.04
+    )  # a point 0.3 m behind an antenna above the axle turns with it later
+    stage.now += 2_000_000_000  # nobody knows what it did meanwhile
+    assert not any(math.isfinite(yaw) for *_, yaw in filter(None, drive_circle(
+        stage, surveyor, mast=mast, seconds=1.0, speed=0.0, start=last
+    )[1]))  # fmt: skip
+
+
+def test_before_it_has_moved_a_tractor_is_drawn_as_if_in_one_line_with_its_trailer():
+    stage = Stage()
+    surveyor = Surveyor(Mast(forward=1.5), lambda: stage.now)
+    stage.link.surveyor = surveyor
+    stage.receive_fixes(10.0, 20.0, trailer_x=6.0, trailer_y=20.0)
+    assert surveyor.place is None
+    assert surveyor.shown == (8.5, 20.0, 0.0)
+    stage.receive_fixes(10.0, 20.0)
+    assert surveyor.shown is None, "it has no trailer's receiver"

@@ -87,6 +87,7 @@ def test_what_is_not_a_number_is_refused_and_stops_the_vehicle(mine):
         ("math:Mine", "has no attribute 'Mine'"),
         ("collections:OrderedDict", "OrderedDict is not a subclass of drawbar.Controller"),
         ("not a name:Mine", "is not MODULE:CLASS, for example"),
+        ("mine", "'lqr', MODULE:CLASS of your own"),
     ],
 )
 def test_what_is_no_controller_is_refused(model, reason):

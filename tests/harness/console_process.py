@@ -25,11 +25,11 @@ def free_port():
 
 
 @contextmanager
-def console_process(folder, **options):
-    """Start a console; yields its process, the gate's endpoint and the port."""
+def console_process(folder, port=None, **options):
+    """Start a console, by default at a free port; yields its process, the gate's endpoint and the port."""
     configuration = folder / "config.toml"
     configuration.write_text(load_configuration("articulated").to_toml(), "utf-8")
-    port = free_port()
+    port = port or free_port()
     text = ConsoleOptions(
         folder=str(folder), configuration=str(configuration), port=port, runs=str(folder), **options
     ).model_dump_json()

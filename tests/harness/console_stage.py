@@ -125,14 +125,14 @@ class Stage:
         qualities = {"tractor_quality": 5, "trailer_quality": 5}
         self.link.receive(encode(ControllerState(time=now, valid_until=now + 10**9, **counts, **(qualities | numbers))))
 
-    def receive_fixes(self, x, y, course=math.nan, quality=5, satellites=(0, 0)):
+    def receive_fixes(self, x, y, course=math.nan, quality=5, satellites=(0, 0), **values):
         """Let the receivers say where the tractor's antenna is."""
         numbers = {each.name: math.nan for each in fields(Fixes)}
         numbers |= {each: 0 for each in numbers if each.endswith("_time") or each in ("sequence", "valid_until")}
         numbers |= {"tractor_heard": 1, "trailer_heard": 1}
         numbers |= {"time": self.now, "epoch": self.now, "first_byte": self.now, "trailer_quality": quality}
         numbers |= {"tractor_x": x, "tractor_y": y, "tractor_course": course, "tractor_quality": quality}
-        numbers |= dict(zip(("tractor_satellites", "trailer_satellites"), satellites, strict=True))
+        numbers |= dict(zip(("tractor_satellites", "trailer_satellites"), satellites, strict=True)) | values
         self.link.receive(encode(Fixes(**numbers)))
 
 

@@ -139,6 +139,7 @@ def test_a_real_machine_shows_what_was_believed(make_run):
 
 def test_a_run_that_died_before_its_first_step_still_renders(make_run):
     page = render(make_run(steps=0))
+    assert "A real machine" not in page
     assert list(data_of(page)["figures"]) == [name for name in SECTIONS if name != "margin"]  # no step tells of a tube
     assert "nan" not in "".join(Elements(page).visible).lower()
 

@@ -192,15 +192,23 @@ def test_a_jump_of_both_antennas_is_no_motion(jump: float) -> None:
         assert sanity.look(seen, estimate(), beside(0.0), beside(0.0)) == (0, 1.0)
 
 
-def jumped(begin: int, tractor: float, trailer: float, coarse: range = range(0)) -> list[int]:
-    """Return the statuses of a drive whose estimate leaps so far (m) to the left at a sample; some fixes are coarse."""
+NEVER = range(0)
+
+
+def jumped(begin: int, tractor: float, trailer: float, coarse: range = NEVER, held: range = NEVER) -> list[int]:
+    """Return the statuses of a drive whose estimate leaps so far (m) to the left at a sample.
+
+    Some fixes are coarse, some are repeated.
+    """
     sanity, statuses = Sanity(), []
     for k in range(60):
         seen = measurement(k, deviation=0.4 if k in coarse else 0.02)
         y = (tractor, trailer) if k >= begin else (0.0, 0.0)
         x = (seen.tractor_x, seen.trailer_x)
         bodies = [Pose(x=each, y=left, yaw=0.0) for each, left in zip(x, y, strict=True)]
-        statuses.append(sanity.look(seen, believed(*bodies, speed=1.0), beside(0.0), beside(0.0))[0])
+        fix = FixStatus.STALE if k in held else FixStatus.REJECTED
+        now = believed(*bodies, speed=1.0, tractor_fix=fix, trailer_fix=fix)
+        statuses.append(sanity.look(seen, now, beside(0.0), beside(0.0))[0])
     return statuses
 
 
@@ -217,6 +225,7 @@ def test_small_jumps_and_those_of_one_body_do_not() -> None:
 
 def test_a_correction_after_coarse_positions_and_at_the_beginning_is_no_jump() -> None:
     assert not any(jumped(30, 0.5, 0.5, coarse=range(10, 30)))
+    assert not any(jumped(30, 0.5, 0.5, held=range(10, 30)))
     assert not any(jumped(10, 0.5, 0.5))
     assert any(jumped(50, 0.5, 0.5, coarse=range(10, 30)))
 

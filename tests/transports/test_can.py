@@ -162,6 +162,64 @@ def test_interface_that_is_not_there_is_told_and_tried_again() -> None:
     assert "cannot be opened" in bus.trouble
 
 
+class SocketcanInterface:
+    """A kernel's CAN interface, as python-can's socketcan shows it: up, off the bus (its queue is full), or down."""
+
+    state = "up"
+
+    def __init__(self, **options: object) -> None:
+        self.sent: list[can.Message] = []
+
+    def send(self, message: can.Message) -> None:
+        if self.state == "off the bus":
+            raise can.CanOperationError("Transmit buffer full")
+        self._fail_where_down("Failed to transmit")
+        self.sent.append(message)
+
+    def recv(self, timeout: float) -> can.Message | None:
+        self._fail_where_down("Error receiving")
+        return None
+
+    def fileno(self) -> int:
+        return 0
+
+    def shutdown(self) -> None:
+        pass
+
+    def _fail_where_down(self, what: str) -> None:
+        if self.state == "down":
+            try:
+                raise OSError(errno.ENETDOWN, "Network is down")
+            except OSError as error:
+                raise can.CanOperationError(f"{what}: {error.strerror}", error.errno) from error
+
+
+@pytest.mark.parametrize("state", ["off the bus", "down"])
+def test_an_interface_that_fails_takes_no_frame_never_raises_and_is_used_again(
+    monkeypatch: pytest.MonkeyPatch, state: str
+) -> None:
+    monkeypatch.setattr(can, "Bus", SocketcanInterface)
+    clock = FakeClock()
+    bus = PythonCanBus(CanAddress(interface="socketcan", channel="can0"), clock)
+    assert bus.write(CLAIM)
+    monkeypatch.setattr(SocketcanInterface, "state", state)
+    assert not bus.write(CLAIM)
+    assert "socketcan can0 took no frame" in bus.trouble
+    assert bus.unsent == 1
+    assert bus.read() == []
+    assert bus.connected == (state == "off the bus"), "a receiver hears on where the controller has left the bus"
+    for _ in range(3):
+        clock.now += RETRY
+        assert bus.read() == []
+        assert not bus.write(CLAIM)
+    monkeypatch.setattr(SocketcanInterface, "state", "up")
+    clock.now += RETRY
+    assert bus.read() == []
+    assert bus.connected
+    assert bus.write(CLAIM)
+    bus.close()
+
+
 def test_socketcan_carries_frames() -> None:
     names = [name for _, name in socket.if_nameindex() if name.startswith(("vcan", "can"))]
     if not names:

@@ -1,5 +1,6 @@
 """`drawbar drive`: drive a real machine, or stand-ins of all its devices on this computer."""
 
+import sys
 import time
 from contextlib import ExitStack
 from pathlib import Path as FilePath
@@ -11,6 +12,12 @@ from drawbar.cli.options import ConfigurationName, Pace, changing, compiling, co
 from drawbar.cli.pages import Pages, address, free_port, takes_pages
 
 LOCAL = "127.0.0.1"
+NO_KEYS = "standard input is no terminal: no key is read; use a terminal, or --console"
+_NOT_THERE = (
+    "{folder}: the log is not there any more: the folder was moved or removed, or its disk unmounted, during the "
+    "drive; where it still exists, `drawbar report` reads it"
+)
+_NOT_WRITTEN = "the disk is so slow that the recorder was ended before it had written all: the end of the drive is lost"
 
 if TYPE_CHECKING:
     from drawbar.cli.interrupts import Interrupts
@@ -103,13 +110,22 @@ def _run(
     seconds: float,
 ) -> bool:
     """Start the processes and show the drive; return whether it failed."""
+    from drawbar.driving.messaging.process_options import RECORDER
+
     with ExitStack() as started:
         with console.status("starting the processes …"):
             started.enter_context(processes)
         _tell_said(processes.output())
         if options is not None:
             console.print(f"the console is at {address(options)}", soft_wrap=True)
-        return _drive(processes, interrupts, demonstrates=demonstrates, seconds=seconds)
+        elif not (demonstrates or sys.stdin.isatty()):
+            console.print(NO_KEYS, style="yellow", soft_wrap=True)
+        failed = _drive(processes, interrupts, demonstrates=demonstrates, seconds=seconds)
+        with console.status("ending the processes, the recorder last …"):
+            processes.close()
+        if RECORDER in processes.killed:
+            console.print(_NOT_WRITTEN, style="bold red", soft_wrap=True)
+        return failed
 
 
 def _tell_said(lines: list[str]) -> None:
@@ -129,11 +145,14 @@ def _shown_at(port: int) -> int:
 def _report(folder: FilePath, *, shadow: bool) -> None:
     """Write the report, and tell what there is to tell at the end."""
     from drawbar.driving.evaluation.shadow import COMPARED, steering_differences, tell
+    from drawbar.errors import StorageError
     from drawbar.recording.columns import read_columns
     from drawbar.recording.log import LOG_NAME
     from drawbar.report.console import summary
     from drawbar.report.folder import write_report
 
+    if not (folder / LOG_NAME).exists():
+        raise StorageError(_NOT_THERE.format(folder=folder))
     console.print(summary(write_report(folder)))
     if shadow:
         for difference in steering_differences(read_columns(folder / LOG_NAME, COMPARED)):
@@ -159,6 +178,9 @@ def _drive(processes: "DriveProcesses", interrupts: "Interrupts", *, demonstrate
                 for key in keys:
                     front.press(key)
                 if "q" in keys:
+                    break
+                if keyboard.is_gone:
+                    leave_a_terminal_that_is_gone()
                     break
                 terminal.show()
                 if not terminal.tell_losses():

@@ -111,8 +111,8 @@ TEXTS: Mapping[str, tuple[str, str]] = {
     "runs": ("Runs", "Fahrten"),
     "inside": ("Look inside", "Messwerte"),
     "saved_for_next": (
-        "Saved. For the next drive: drawbar drive {file}",
-        "Gespeichert. Für die nächste Fahrt: drawbar drive {file}",
+        "Saved. For the next drive, with the options of this one: drawbar drive {file}",
+        "Gespeichert. Für die nächste Fahrt, mit den Optionen von dieser: drawbar drive {file}",
     ),
     "number_missing": ("a number is missing", "eine Zahl fehlt"),
     # fields
@@ -153,6 +153,10 @@ TEXTS: Mapping[str, tuple[str, str]] = {
     "end_curve": ("■ End and save", "■ Beenden und speichern"),
     "drop_curve": ("Discard", "Verwerfen"),
     "curve": ("Curve", "Kurve"),
+    "no_yaw": (
+        "Drive on: where the tractor faces is not known",
+        "Weiterfahren: wohin der Traktor zeigt, ist unbekannt",
+    ),
     "no_position": ("Waiting for an RTK-fixed position", "Warte auf RTK-Fix"),
     "recording_points": ("Recording: {count} points", "Aufnahme: {count} Punkte"),
     "recording_full": (
@@ -164,7 +168,7 @@ TEXTS: Mapping[str, tuple[str, str]] = {
     "import_export": ("Import and export", "Importieren und exportieren"),
     "import_file": ("Choose a field's file", "Felddatei auswählen"),
     "import_kinds": ("{kinds}; folders as .zip", "{kinds}; Ordner als .zip"),
-    "imported": ("Imported {fields}: {lines} lines", "{fields} importiert: {lines} Linien"),
+    "imported": ("Imported {fields}, lines: {lines}", "{fields} importiert, Linien: {lines}"),
     "too_large": (
         "Not taken: one file of at most {size} MiB",
         "Nicht angenommen: nur eine Datei, höchstens {size} MiB",

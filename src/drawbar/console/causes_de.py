@@ -72,7 +72,11 @@ CAUSES_DE: Mapping[Cause, tuple[str, str]] = {
     Cause.YAW_REJECTED: ("Richtung oder Drehrate des Traktors widerspricht der Bewegung",
         "Einbau und Kabel seiner Antennen oder seines Drehratensensors prüfen"),
     Cause.ANTENNA_DISTANCE: ("beide Antennen sind nicht so weit voneinander, wie Längen und Winkel ergeben",
-        "beiden Empfängern dieselben Korrekturen geben; sonst Längen, Antennenorte und Knickwinkelsensor prüfen"),
+        "beiden Empfängern dieselben Korrekturen geben, sonst Längen, Antennenorte und Knickwinkelsensor prüfen; dann "
+        "drawbar neu starten"),
+    Cause.RECEIVER_TIMES: ("die Epochen der Empfänger sind nie von derselben Zeit",
+        "beide laufen lassen, bis sie UTC und deren Schaltsekunden kennen, bis zu 13 Minuten; drawbar check nennt "
+        "den Abstand"),
     Cause.TOO_SLOW: ("das Fahrzeug steht oder ist zu langsam",
         "anfahren, dann einschalten"),
     Cause.TOO_FAST: ("das Fahrzeug ist zu schnell",
@@ -105,7 +109,7 @@ CAUSES_DE: Mapping[Cause, tuple[str, str]] = {
         "Sensor und Motor sind beide verkehrt herum: beide Vorzeichen ändern, dann drawbar check --wiggle"),
     Cause.SILENT: ("eine Lenkung meldet sich nicht",
         "Strom, Kabel und Adresse prüfen"),
-    Cause.TOO_NEW: ("eine Lenkung meldet sich erst seit weniger als einer Sekunde",
+    Cause.TOO_NEW: ("eine Lenkung meldet sich erst seit weniger als einer Sekunde, oder wurde eben freigegeben",
         "warten; wenn sie von selbst neu gestartet ist, den Strom prüfen"),
     Cause.SWITCHED_ON: ("eine Lenkung lenkt schon, oder ihr Schalter ist an",
         "diese Lenkung ausschalten"),
@@ -137,7 +141,8 @@ CAUSES_DE: Mapping[Cause, tuple[str, str]] = {
         "Aufzeichnung aufheben und melden"),
     Cause.NO_OPERATOR: ("kein Bediener meldet sich",
         "diese Seite offen lassen, oder die Tastatur neu starten"),
-    Cause.NOT_RECORDING: ("es wird nichts aufgezeichnet: der Datenträger ist voll, oder die Aufzeichnung läuft nicht",
+    Cause.NOT_RECORDING: (
+        "es wird nichts aufgezeichnet: der Datenträger ist voll oder zu langsam, oder die Aufzeichnung läuft nicht",
         "drawbar lenkt weiter; bei Gelegenheit anhalten, Platz schaffen, drawbar neu starten"),
     Cause.NOT_GUARDED: ("der zweite Wächter, der die Lenkungen löst, wenn der erste ausfällt, schweigt",
         "drawbar lenkt weiter; bei Gelegenheit anhalten, andere Programme beenden, drawbar neu starten"),

@@ -163,12 +163,11 @@ def moving_by_hand(place: tuple[float, float, float], fixes: Fixes, joints: tupl
     """Return where both bodies are by their receivers alone, away from any line; None: where they face is not known.
 
     Args:
-        place: of the tractor, with its yaw as far as that is known.
+        place: of the tractor, with its yaw, NaN if not known.
         fixes: of both receivers.
         joints: how far ahead of the tractor's and the trailer's place they are joined, m.
     """
     x, y, yaw = place
-    yaw = yaw if math.isfinite(yaw) else math.atan2(y - fixes.trailer_y, x - fixes.trailer_x)
     if not math.isfinite(yaw):
         return None
     joint = x + joints[0] * math.cos(yaw), y + joints[0] * math.sin(yaw)

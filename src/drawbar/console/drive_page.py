@@ -86,7 +86,7 @@ class DrivePage:
 
     def _moving(self) -> Moving | None:
         """Return where both bodies are: by the estimate, where there is none by the receivers."""
-        link, place = self._link, self._link.surveyor.place
+        link, place = self._link, self._link.surveyor.shown
         if link.moving is not None or place is None or link.fixes is None:
             return link.moving
         return moving_by_hand(place, link.fixes, self._joints)
@@ -196,7 +196,7 @@ class DrivePage:
             _list(shown)
 
     def _show_wishes(self, *, mine: bool, driving: bool) -> None:
-        names = [display_name(name, self._words) for name in self._link.wishes.values()] if mine else []
+        names = [display_name(each.name, self._words) for each in self._link.wishes.values()] if mine else []
         text = self._words("wishes_control", name=", ".join(names)) if names else ""
         if text and driving:
             text += ". " + self._words("stop_first")

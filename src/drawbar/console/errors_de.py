@@ -142,11 +142,19 @@ ERRORS_DE: Mapping[str, str] = {
     "{}: line {} jumps {} m to {} m; at most {} m are allowed between its neighbours: remove the faulty point":
         "{0}: Linie {1} springt {2} m weit nach {3} m; zwischen Nachbarn sind höchstens {4} m erlaubt: den falschen "
         "Punkt entfernen",
-    "{}: line {} has {} different point(s); it needs at least two that are more than {} m apart":
-        "{0}: Linie {1} hat {2} verschiedene(n) Punkt(e); nötig sind zwei, die mehr als {3} m auseinander liegen",
-    "{}: line {} is {} m long; {} to {} m are allowed: are its coordinates in metres, as CSV and AgOpenGPS have them, "
-    "or in degrees, as GeoJSON has them?":
-        "{0}: Linie {1} ist {2} m lang; erlaubt sind {3} bis {4} m: Sind es Meter (CSV, AgOpenGPS) oder Grad "
+    "{}: line {} has {} different point(s); it needs at least two that are more than {} mm apart":
+        "{0}: Linie {1} hat {2} verschiedene(n) Punkt(e); nötig sind zwei, die mehr als {3} mm auseinander liegen",
+    "{}: header {}; two columns are read, x (east) and y (north) in m: name them x,y in this order or remove the "
+    "header; degrees belong in GeoJSON":
+        "{0}: Kopfzeile {1}; gelesen werden zwei Spalten, x (Ost) und y (Nord) in m: sie in dieser Reihenfolge x,y "
+        "nennen oder die Kopfzeile entfernen; Grad gehören in GeoJSON",
+    "{}: {} has {}; two are needed, x and y in m, as in '12.5,-3.0'":
+        "{0}: {1} hat {2}; nötig sind zwei, x und y in m, wie in '12.5,-3.0'",
+    "1 column": "1 Spalte",
+    "{} columns": "{0} Spalten",
+    "{}: line {} is {} m long; {} m to {} km are allowed: are its coordinates in metres, as CSV and AgOpenGPS have "
+    "them, or in degrees, as GeoJSON has them?":
+        "{0}: Linie {1} ist {2} m lang; erlaubt sind {3} m bis {4} km: Sind es Meter (CSV, AgOpenGPS) oder Grad "
         "(GeoJSON)?",
     "{}: latitude {}°, longitude {}° is more than {} km from latitude {}°, longitude {}°, where the metres count "
     "from: remove the point, or correct the origin":
@@ -162,17 +170,17 @@ ERRORS_DE: Mapping[str, str] = {
         "als {1} m angeben",
     "line {} is too tight for the vehicle along {} m, from ({}, {}) m on; at most {} m of kinks in a row can be "
     "rounded: smooth or redraw the line there":
-        "Linie {0} ist auf {1} m zu eng für das Fahrzeug, ab ({2}, {3}) m; höchstens {4} m Knicke hintereinander "
+        "Linie {0} ist auf {1} m zu eng für das Fahrzeug, ab ({2}; {3}) m; höchstens {4} m Knicke hintereinander "
         "lassen sich runden: die Linie dort glätten oder neu zeichnen",
     "line {} is too tight for the vehicle: recorded point {} at ({}, {}) m is {} m from the closest path within {} "
     "1/m; at most {} m is allowed: raise guidance.path_tolerance, or vehicle.curvature_limit if it can turn tighter, "
     "or redraw the line there":
-        "Linie {0} ist zu eng für das Fahrzeug: Punkt {1} bei ({2}, {3}) m liegt {4} m neben dem nächsten fahrbaren "
+        "Linie {0} ist zu eng für das Fahrzeug: Punkt {1} bei ({2}; {3}) m liegt {4} m neben dem nächsten fahrbaren "
         "Weg (Krümmung bis {5} 1/m); erlaubt sind {6} m: unter Einrichten mehr Glättung oder einen kleineren Radius "
         "erlauben, oder die Linie dort neu zeichnen",
     "line {} cannot be made drivable: near ({}, {}) m its {} stays at {} {}; at most {} {} is allowed: redraw the "
     "line without this turn":
-        "Linie {0} ist nicht fahrbar: bei ({1}, {2}) m bleibt ihre {3} bei {4} {5}; erlaubt sind {6} {7}: die Linie "
+        "Linie {0} ist nicht fahrbar: bei ({1}; {2}) m bleibt ihre {3} bei {4} {5}; erlaubt sind {6} {7}: die Linie "
         "ohne diese Kurve zeichnen",
     "curvature": "Krümmung",
     "curvature rate": "Änderung der Krümmung",
@@ -195,6 +203,8 @@ ERRORS_DE: Mapping[str, str] = {
         "kleineren erlauben, oder eine andere Linie wählen",
     "the tractor's receiver has no RTK-fixed position now; wait for one":
         "Der Empfänger des Traktors hat jetzt keinen RTK-Fix; darauf warten",
+    "the antenna is not above the rear axle, and where the tractor faces is not known; drive on":
+        "Die Antenne steht nicht über der Hinterachse, und wohin der Traktor zeigt, ist unbekannt; weiterfahren",
     # what is kept
     "{}: has no field {}; its fields are: {}": "{0}: hat kein Feld {1}; vorhanden sind: {2}",
     "{}: the field cannot be kept there ({})": "{0}: das Feld lässt sich dort nicht speichern ({1})",

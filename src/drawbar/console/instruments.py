@@ -4,6 +4,7 @@ The browser acknowledges each picture (event `drawn`).
 """
 
 import json
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -38,7 +39,7 @@ class Instruments(Element, component=Path(__file__).parent / "static" / "instrum
     def draw(self, picture: dict[str, Any]) -> None:
         """Send a picture."""
         self._under_way.send()
-        self.run_method("draw", picture)
+        self.run_method("draw", picture | {"sent": time.monotonic_ns() // 1_000_000})
 
     def _drawn(self, event: GenericEventArguments) -> None:
         self._under_way.drawn()

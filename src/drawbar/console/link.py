@@ -29,6 +29,8 @@ STALE = 1_000_000_000
 """without a state of the gate for so long, what is shown is old, ns"""
 _KEPT = 128
 """states of the gate that a browser may still say to have drawn; 2.5 s"""
+_LEFT = 10_000_000_000
+"""whoever has drawn nothing for so long has left, and wishes for nothing, ns"""
 _TRAIL = 3000
 """places of the tractor that are kept; 300 m"""
 _TRAIL_STEP = 0.1
@@ -67,8 +69,8 @@ class Link:
         self._motion = Motion(-math.inf, math.nan, math.nan)
         self.trail: deque[tuple[float, float, float]] = deque(maxlen=_TRAIL)
         """x (m), y (m), lateral error (m) of the tractor"""
-        self.wishes: dict[int, str] = {}
-        """sessions that ask the holder for control, with their names"""
+        self.wishes: dict[int, Visitor] = {}
+        """who asks the holder for control, by session; whoever leaves wishes for nothing"""
         self.version = 0
         """grows with each control step received"""
         self.refused = 0
@@ -169,8 +171,9 @@ class Link:
             session.receive_gate(state)
 
     def pass_time(self) -> None:
-        """Ask the gate for its states where they do not come; nobody is present by that."""
+        """Ask the gate for its states where they do not come (nobody is present by that); forget whoever has left."""
         now = self.clock()
+        self.wishes = {number: each for number, each in self.wishes.items() if each.may_drive and self._looks(each)}
         if self.is_stale and now >= self._subscribe_due:
             self._subscribe_due = now + _SUBSCRIBE
             self._own.ask(Action.PRESENT, now)
@@ -210,9 +213,13 @@ class Link:
         names = (each.name for each in self._sessions.values() if each.number == self.gate.lease)
         return next(names, "")
 
+    def _looks(self, visitor: Visitor) -> bool:
+        session = self._sessions.get(visitor.token)
+        return session is not None and session.seen is not None and self.clock() - session.seen.time <= _LEFT
+
     def wish(self, visitor: Visitor) -> None:
         """Ask the holder for control, for somebody who may have it."""
         if not visitor.may_drive:
             return
-        self.wishes[visitor.number] = visitor.name
+        self.wishes[visitor.number] = visitor
         self._audit.write(visitor, "ASK_FOR_CONTROL")

@@ -51,7 +51,7 @@ class NewLineCard:
         self._record.set_visibility(track is None)
         for button in (self._end, self._drop):
             button.set_visibility(track is not None)
-        texts = [] if known else [words("no_position")]
+        texts = [] if known else [words("no_yaw" if surveyor.is_fixed else "no_position")]
         if track is not None:
             texts.append(words("recording_points", count=len(track.points)))
             texts += [words("recording_full")] if track.is_full else []

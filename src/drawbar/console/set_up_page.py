@@ -204,8 +204,8 @@ class SetUpPage:
                 with ui.element("div").classes("line-up"):
                     ui.label(f"{version.file.name} · {version.written}").classes("grow")
                     if self._may_change:
-                        button = ui.button(words("go_on_from"), on_click=partial(self._go_back, version))
-                        button.props("no-caps unelevated color=none").classes("action")
+                        button = ui.button(words("go_on_from"), on_click=partial(self._go_back, version), color=None)
+                        button.props("no-caps unelevated").classes("action")
 
     def _go_back(self, version: Version) -> None:
         try:

@@ -3,15 +3,21 @@
 import math
 from collections.abc import Callable
 
+import numpy as np
+
 from drawbar.errors import PathError
 from drawbar.fields.track import Track
-from drawbar.geometry import arm_offset
+from drawbar.geometry import Floats, arm_offset, wrap
 from drawbar.messages import Fixes
 from drawbar.signals import FixQuality
 from drawbar.vehicle.parameters import Mast
 
 _COURSE = 0.5
-"""faster than this a receiver's course is the tractor's yaw, driving forward, m/s"""
+"""faster than this a receiver's course tells the tractor's yaw, driving forward, m/s"""
+_AHEAD = 0.1
+"""an antenna at least so far ahead of the rear axle pulls it behind itself, m"""
+_PULL = 0.3
+"""how far behind another antenna a point follows it, whose direction is the yaw while the course is not known, m"""
 FRESH = 1_000_000_000
 """a position older than this is none, ns"""
 
@@ -24,6 +30,8 @@ class Surveyor:
         self._mast, self._clock = mast, clock
         self._fixes: Fixes | None = None
         self._yaw = math.nan
+        self._behind = np.full(2, math.nan)
+        """the point that the antenna pulls, m"""
         self.track: Track | None = None
         """the curve that is being recorded; None: none is"""
         self.a: tuple[float, float] | None = None
@@ -31,12 +39,42 @@ class Surveyor:
 
     def receive_fixes(self, fixes: Fixes, yaw: float) -> None:
         """Take in fixes, with the tractor's yaw as far as the estimator knows it, rad; NaN: not now."""
+        known = self._yaw if self._antenna() is not None else math.nan  # after a gap it may face anywhere
         self._fixes = fixes
-        self._yaw = yaw
-        if not math.isfinite(yaw) and fixes.tractor_speed >= _COURSE:
-            self._yaw = fixes.tractor_course
+        self._yaw = yaw if math.isfinite(yaw) else self._pulled(known)
+        self._follow()
         if self.track is not None and (place := self._place()) is not None:
             self.track.add(*place)
+
+    def _pulled(self, known: float) -> float:
+        """Return the yaw by how the antenna has moved; known: it was so before, rad.
+
+        The axle's middle moves along the yaw alone, at any speed: an antenna ahead of it pulls it behind itself. That
+        antenna's course is not the yaw, since in a curve it swings outward.
+        """
+        fixes, (forward, left, _) = self._fixes, self._mast.arm
+        if fixes is None or self._antenna() is None:
+            return math.nan
+        if fixes.tractor_speed >= _COURSE and (forward < _AHEAD or not math.isfinite(known)):
+            return fixes.tractor_course
+        if not math.isfinite(known):
+            return math.nan
+        east, north = self._upright(known) - self._behind
+        ahead = east * east + north * north - left * left
+        return wrap(math.atan2(north, east) - math.atan2(left, math.sqrt(ahead))) if ahead > 0.0 else known
+
+    def _follow(self) -> None:
+        """Keep the point that the antenna pulls."""
+        if self._antenna() is None or not math.isfinite(self._yaw):
+            return
+        forward, left, _ = self._mast.arm
+        arm = _PULL if forward < _AHEAD else forward, left, 0.0
+        self._behind = self._upright(self._yaw) - arm_offset(self._yaw, 0.0, 0.0, arm)
+
+    def _upright(self, yaw: float) -> Floats:
+        """Return where the antenna would be if the tractor did not lean, m."""
+        flat = arm_offset(yaw, 0.0, 0.0, self._mast.arm)
+        return np.add(self._antenna() or (math.nan, math.nan), flat) - self._arm(yaw)
 
     @property
     def place(self) -> tuple[float, float, float] | None:
@@ -44,24 +82,54 @@ class Surveyor:
         place = self._place()
         return (*place, self._yaw) if place is not None else None
 
+    @property
+    def shown(self) -> tuple[float, float, float] | None:
+        """The same for drawing: where the yaw is not known, as if both bodies were in one line; None: not known now."""
+        antenna, fixes = self._antenna(), self._fixes
+        if antenna is None or fixes is None or math.isfinite(self._yaw):
+            return self.place
+        yaw = math.atan2(antenna[1] - fixes.trailer_y, antenna[0] - fixes.trailer_x)
+        east, north = self._arm(yaw)
+        return (antenna[0] - east, antenna[1] - north, yaw) if math.isfinite(yaw) else None
+
+    @property
+    def is_fixed(self) -> bool:
+        """Whether the antenna's position is known to centimetres."""
+        return self._antenna() is not None
+
     def here(self) -> tuple[float, float]:
         """Return where the middle of the rear axle is, m; raises PathError where that is not known to centimetres."""
+        if not self.is_fixed:
+            raise PathError("the tractor's receiver has no RTK-fixed position now; wait for one")
         place = self._place()
         if place is None:
-            raise PathError("the tractor's receiver has no RTK-fixed position now; wait for one")
+            raise PathError(
+                "the antenna is not above the rear axle, and where the tractor faces is not known; drive on"
+            )
         return place
 
-    def _place(self) -> tuple[float, float] | None:
+    def _antenna(self) -> tuple[float, float] | None:
+        """Return where the antenna is, m."""
         fixes = self._fixes
         if fixes is None or self._clock() - fixes.time > FRESH or fixes.tractor_quality != FixQuality.FIXED:
             return None
-        if not math.isfinite(fixes.tractor_x + fixes.tractor_y):
-            return None
-        attitude = (fixes.tractor_roll - self._mast.roll_offset, fixes.tractor_pitch - self._mast.pitch_offset)
-        roll, pitch = (each if math.isfinite(each) else 0.0 for each in attitude)
-        if not math.isfinite(self._yaw):
-            if self._mast.forward or self._mast.left:
-                return None  # nobody knows where the axle is from there
-            return fixes.tractor_x, fixes.tractor_y
-        east, north = arm_offset(self._yaw, roll, pitch, self._mast.arm)
-        return fixes.tractor_x - east, fixes.tractor_y - north
+        place = fixes.tractor_x, fixes.tractor_y
+        return place if math.isfinite(sum(place)) else None
+
+    def _arm(self, yaw: float) -> tuple[float, float]:
+        """Return how far east and north of the axle the antenna stands, m."""
+        fixes = self._fixes
+        attitude = (0.0, 0.0) if fixes is None else (fixes.tractor_roll, fixes.tractor_pitch)
+        offsets = self._mast.roll_offset, self._mast.pitch_offset
+        roll, pitch = (
+            each - offset if math.isfinite(each) else 0.0 for each, offset in zip(attitude, offsets, strict=True)
+        )
+        return arm_offset(yaw, roll, pitch, self._mast.arm)
+
+    def _place(self) -> tuple[float, float] | None:
+        antenna = self._antenna()
+        if antenna is None or not math.isfinite(self._yaw):
+            above = not (self._mast.forward or self._mast.left)
+            return antenna if above else None  # else nobody knows where the axle is from there
+        east, north = self._arm(self._yaw)
+        return antenna[0] - east, antenna[1] - north

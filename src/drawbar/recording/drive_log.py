@@ -101,7 +101,7 @@ class DriveLog(Recorder):
             self._add_known(topic, message, time.time_ns())
 
     def add_step(self, moment: int, record: StepRecord) -> None:
-        """Add a control step."""
+        """Add a control step; it waits for `flush`."""
         wall = moment + self._offset
         self._reached_end |= record.status is Status.FINISHED
         if STEP_TOPIC not in self._channels:
@@ -110,7 +110,6 @@ class DriveLog(Recorder):
         self._add(STEP_TOPIC, HEAD + packed(record), wall, record.step)
         for topic, message in self._scene.moving(wall, record):
             self._add_known(topic, message, wall)
-        self.flush()
         self._show_again(wall)
 
     def _outcome(self, error: BaseException | None) -> Outcome:
@@ -132,7 +131,7 @@ class DriveLog(Recorder):
         return f"; {self._state.state.name}: {cause.sentence}{ended}"
 
     def flush(self) -> None:
-        """Let all that was added reach the operating system; a step does so by itself.
+        """Let all that was added reach the operating system.
 
         Raises:
             StorageError: the file was removed, and nobody could read it.

@@ -58,6 +58,7 @@ class Section:
 
 def _views(log: Columns) -> list[Section]:
     whose = "True positions." if log.has_truth else "A real machine: estimated positions, the truth is not known."
+    whose = whose if log.steps else "No step was made."
     return [
         Section(
             name="map",

@@ -111,7 +111,10 @@ class Cause(Enum):
     YAW_REJECTED = (221, False, Response.NOTIFY, "the tractor's yaw or yaw rate contradicts the motion",
         "check how its antennas or its inertial sensor are mounted and wired")
     ANTENNA_DISTANCE = (222, True, Response.NOTIFY, "both antennas are not as far apart as lengths and angles say",
-        "give both receivers the same corrections; else check lengths, places of the antennas and the hitch sensor")
+        "give both receivers the same corrections, else check lengths, places of the antennas and the hitch sensor; "
+        "then start drawbar again")
+    RECEIVER_TIMES = (223, False, Response.NOTIFY, "the receivers' epochs are never of the same time",
+        "let both run until they know UTC and its leap seconds, up to 13 minutes; drawbar check tells the difference")
 
     TOO_SLOW = (301, True, Response.NONE, "the vehicle stands or is too slow",
         "begin to drive, then engage")
@@ -146,7 +149,7 @@ class Cause(Enum):
         "sensor and motor are both the wrong way round: change both signs, then run drawbar check --wiggle")
     SILENT = (411, True, Response.RELEASE, "an actuator reports nothing",
         "check its power, its cable and its address")
-    TOO_NEW = (412, True, Response.RELEASE, "an actuator has reported for less than a second",
+    TOO_NEW = (412, True, Response.RELEASE, "an actuator came up, or was released, less than a second ago",
         "wait; if it came up again by itself, check its power")
     SWITCHED_ON = (413, True, Response.NONE, "an actuator already steers, or its switch is on",
         "turn it off")
@@ -180,7 +183,8 @@ class Cause(Enum):
 
     NO_OPERATOR = (601, True, Response.STOP, "no operator is present",
         "open the console, or start the keyboard again")
-    NOT_RECORDING = (602, True, Response.NOTIFY, "nothing is recorded: the disk is full, or the recorder has ended",
+    NOT_RECORDING = (602, True, Response.NOTIFY,
+        "nothing is recorded: the disk is full or too slow, or the recorder has ended",
         "steering continues; stop when it suits, make room on the disk, start drawbar again")
     EMERGENCY_UNTRIED = (603, True, Response.NONE, "the emergency stop has not been tried since the start",
         "stand, press the emergency stop, then acknowledge")

@@ -103,6 +103,12 @@ static inline int moves_backwards(struct component *sanity, const struct drawbar
         || (sanity->distance > MOTION_LEAST && (has_moved_back(sanity, 0) || has_moved_back(sanity, 1)));
 }
 
+/* Whether a fix is a new fine position; one that is not fine is NaN here. */
+static inline int is_told(double fix, int32_t status)
+{
+    return !isnan(fix) && status != DRAWBAR_FIX_STALE;
+}
+
 /* How far a body is from where its wheels have taken it since the last estimate, m. */
 static inline double leap(const struct drawbar_pose *before, const struct drawbar_pose *now, double covered)
 {
@@ -121,7 +127,7 @@ static inline int has_jumped(struct component *sanity, time_stamp time, const st
         && leap(&sanity->bodies[1], &bodies[1], covered) > most;
 
     memcpy(sanity->bodies, bodies, sizeof bodies);
-    if (isnan(sanity->fixes[0]) && isnan(sanity->fixes[2]))
+    if (!is_told(sanity->fixes[0], estimate->tractor_fix) && !is_told(sanity->fixes[2], estimate->trailer_fix))
         sanity->last_none = time;
     return leapt && time - sanity->last_none > JUMP_MEMORY;
 }

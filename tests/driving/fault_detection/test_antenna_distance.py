@@ -77,6 +77,22 @@ def test_single_samples_and_gaps_are_not_enough():
     assert not any(found(*[*[wrong] * 9, step(VEHICLE, trailer_fix=REJECTED)] * 4))
 
 
+def test_a_distance_that_was_wrong_counts_until_it_is_right_in_that_direction():
+    straight = {"hitch": 0.0, "joint": 0.0}
+    detector = AntennaDistance(VEHICLE, 0.2)
+
+    def drive(shift, yaw, **estimate):
+        return [detector.update(step(VEHICLE, shift, yaw=yaw, **straight, **estimate)) for _ in range(25)][-1]
+
+    assert drive((0.3, 0.0), yaw=0.0)
+    assert drive((0.0, -0.3), yaw=0.5 * math.pi), "the same shift, across the vehicle"
+    assert drive((0.0, -0.3), yaw=0.5 * math.pi, trailer_fix=REJECTED)
+    assert not drive((0.0, 0.0), yaw=math.radians(200.0)), "the corrections are the same now"
+    assert drive((0.3, 0.0), yaw=0.0)
+    assert drive((0.0, 0.0), yaw=math.radians(40.0))
+    assert not drive((0.0, 0.0), yaw=math.radians(20.0))
+
+
 @pytest.mark.parametrize("pitch", [math.nan, 0.1])
 def test_masts_whose_pitch_is_not_measured_may_lean(pitch):
     vehicle = VehicleParameters(masts=Masts(tractor=Mast(up=2.5), trailer=Mast(up=2.0)))

@@ -19,7 +19,17 @@ DEGREE = math.pi / 180.0
 
 
 def found(
-    steering, *, sign=1.0, speed=1.0, sample_time=0.2, until=30.0, ahead=0.0, disturbance=None, yaw=math.nan, late=0.1
+    steering,
+    *,
+    sign=1.0,
+    speed=1.0,
+    sample_time=0.2,
+    until=30.0,
+    ahead=0.0,
+    disturbance=None,
+    yaw=math.nan,
+    late=0.1,
+    suspected=False,
 ):
     """Drive with front wheels at angles of time; return when it is found that they are mirrored, and whether at last.
 
@@ -35,7 +45,7 @@ def found(
         values = dict.fromkeys((field.name for field in fields(Fixes)), 0) | {"epoch": round((1.0 + time) * 1e9)}
         values |= {"time": values["epoch"] + round(late * 1e9)}
         values |= {"tractor_speed": speed, "tractor_course": math.remainder(course, math.tau), "tractor_yaw": yaw}
-        detector.hear(Fixes(**values), sign * angle)
+        detector.hear(Fixes(**values), sign * angle, suspected=suspected)
         first = min(first, time) if detector.found else first
         heading += speed * curvature * sample_time
     return first, detector.found
@@ -106,7 +116,17 @@ def test_epochs_that_are_late_say_nothing(late, is_found):
     assert found(turn_in, sign=-1.0, late=late, until=14.0)[1] is is_found
 
 
-@pytest.mark.parametrize("speed", [1.0, 2.0])
+@pytest.mark.parametrize(("sign", "is_found"), [(-1.0, True), (1.0, False)])
+def test_at_slow_speed_it_is_found_where_it_is_suspected(sign, is_found):
+    def steering(time):
+        return 12.0 * DEGREE * min(max(time - 10.0, 0.0) / 3.0, 1.0)
+
+    assert found(steering, sign=sign, speed=0.5, until=14.6)[0] == math.inf
+    first, at_last = found(steering, sign=sign, speed=0.5, until=14.6, suspected=True)
+    assert (first < 14.6, at_last) == (is_found, is_found)
+
+
+@pytest.mark.parametrize("speed", [0.5, 1.0, 2.0])
 def test_a_drive_with_it_is_released_and_says_why(speed):
     configuration = load_configuration(
         "articulated", [f"speed={speed}", "safety.engage.wiggle_test=false", "safety.engage.fixed=1.0"]

@@ -57,6 +57,15 @@ def told():
     return Told()
 
 
+def test_receivers_that_never_mean_the_same_time_are_told_by_that(told):
+    assert not told.hear(0.0, 1.0)
+    for k in range(20):
+        found = told.hear(1.0 + 0.2 * k, 1.2 + 0.2 * k, **{f"{('tractor', 'trailer')[k % 2]}_heard": 0})
+        assert (Cause.RECEIVER_TIMES in found) == (k >= 10)
+    assert not told.hear(5.0, 5.2), "a common epoch"
+    assert Cause.RECEIVER_TIMES not in told.hear(5.2, 10.0, trailer_heard=0), "one of them is silent"
+
+
 @pytest.mark.parametrize("silent", ["tractor_heard", "trailer_heard"])
 def test_a_receiver_that_falls_silent_is_told_and_one_lost_epoch_is_not(told, silent):
     assert told.hear(0.0, 2.0) == []

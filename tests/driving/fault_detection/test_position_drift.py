@@ -198,6 +198,46 @@ def test_after_a_gap_it_begins_anew():
     assert heard(PositionDrift(), times(20.0), speed=0.1) is None
 
 
+def found_with_a_gap(gap, **missing):
+    """Return when a drift of 0.05 m/s is seen that begins at 10 s, where epochs of a time lack something, or all."""
+    drift, begin = PositionDrift(), 10.0
+    for time in times(25.0):
+        off = max(0.05 * (time - begin), 0.0)
+        lacks = gap[0] <= time < gap[1]
+        if not lacks or missing:
+            drift.hear(epoch(time, aside=(off, off), **(missing if lacks else {})))
+        if drift.drifts_slowly(**FOLLOWED):
+            return time - begin
+    return math.inf
+
+
+def test_lost_epochs_hide_no_slow_drift_for_long():
+    never = (math.inf, math.inf)
+    assert found_with_a_gap(never) < 4.7
+    assert found_with_a_gap((13.5, 14.5)) < 7.5
+    both_float = {f"{body}_quality": int(FixQuality.FLOAT) for body in ("tractor", "trailer")}
+    assert found_with_a_gap((13.5, 15.5), **both_float) <= 7.0
+    assert found_with_a_gap((13.5, 17.5), **both_float) > 11.0, "after so long it begins anew"
+    assert found_with_a_gap((13.5, 15.5)) > 9.0, "velocities of so long ago say nothing"
+
+
+@pytest.mark.parametrize("speed", [1.0, 2.0, 3.0])
+def test_a_turn_that_begins_while_epochs_are_lost_is_no_drift(speed):
+    drift, begin, rate, x, y, course = PositionDrift(), 10.0, 0.0, 0.0, 0.0, 0.0
+    for time in np.arange(0.0, 25.0, 0.01):
+        if begin <= time < begin + 1.0:
+            rate += 0.01 * math.radians(20.0) * speed / 1.4
+        course += 0.01 * rate
+        x, y = x + 0.01 * speed * math.cos(course), y + 0.01 * speed * math.sin(course)
+        if round(100 * time) % 20 or begin <= time < begin + 1.0:
+            continue
+        place = {"x": x, "y": y, "course": course, "speed": speed}
+        given = {f"{body}_{name}": value for body in ("tractor", "trailer") for name, value in place.items()}
+        drift.hear(epoch(time, **given))
+        assert not drift.exists
+        assert not drift.drifts_slowly(**FOLLOWED)
+
+
 def test_from_where_they_were_before_the_velocities_lead_on():
     drift, begin = PositionDrift(), 5.0
     assert heard(drift, times(begin), radius=20.0) is None

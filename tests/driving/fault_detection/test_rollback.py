@@ -65,7 +65,7 @@ def test_what_has_acted_are_the_commands_that_were_sent_not_those_of_the_other_e
     *_, (measured, sent) = given
 
     def aside(measurement: Measurement) -> Measurement:
-        return replace(measurement, tractor_y=measurement.tractor_y + 0.5, trailer_y=measurement.trailer_y + 0.5)
+        return replace(measurement, tractor_y=measurement.tractor_y + 0.25, trailer_y=measurement.trailer_y + 0.25)
 
     status, command = rollback.recompute(aside)
     assert status is Status.OK

@@ -16,7 +16,7 @@ from drawbar.driving.operator.requests import changed_speed
 from drawbar.driving.operator.terminal import Terminal
 from drawbar.messages import SupervisorState
 from drawbar.safety.causes import Cause
-from drawbar.signals import Status
+from drawbar.signals import FixQuality, Status
 
 NAN = math.nan
 
@@ -27,6 +27,18 @@ def test_the_display_fits_sixty_columns_without_a_machine():
         console.print(picture(None, None))
     assert all(len(line) <= 60 for line in capture.get().splitlines())
     assert KEYS.splitlines()[0] in capture.get()
+
+
+def test_the_numbers_of_a_drive_fit_sixty_columns():
+    known = {
+        "tractor_lateral_error": -1.23,
+        "trailer_lateral_error": 1.23,
+        "wheel_speed": 12.5,
+        "correction_age": 120.0,
+    }
+    worst = {"tractor_quality": FixQuality.DIFFERENTIAL, "trailer_quality": FixQuality.DIFFERENTIAL}
+    heard = dataclasses.replace(controller_of(Status.OK), **known, **worst)
+    assert all(len(line) <= 60 for line in picture(gate_of(SupervisorState.ACTIVE), heard).plain.splitlines())
 
 
 def test_the_driver_is_told_to_stop_until_the_vehicle_stands():
@@ -114,8 +126,11 @@ def test_no_key_is_pressed_on_a_terminal_that_is_gone(monkeypatch):
     with open(near, encoding="utf-8") as terminal:
         monkeypatch.setattr("sys.stdin", terminal)
         with Keyboard() as keyboard:
+            assert keyboard.pressed() == ""
+            assert not keyboard.is_gone
             os.close(far)
             assert keyboard.pressed() == ""
+            assert keyboard.is_gone
 
 
 @pytest.mark.parametrize(

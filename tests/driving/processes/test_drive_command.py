@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from patience import ENGAGE, PATIENT
 
+from drawbar.cli.drive import NO_KEYS
 from drawbar.driving.messaging.process_options import RECEIVERS
 from drawbar.driving.operator.terminal import TAKE_OVER
 from drawbar.driving.processes.drive_processes import LOSSES
@@ -113,6 +114,13 @@ def test_a_terminal_that_is_closed_ends_a_drive_in_order(terminal, tmp_path):
     assert not list((tmp_path / "tmp").glob("drawbar-*"))
 
 
+@pytest.mark.parametrize(("option", "told"), [("--by-hand", True), ("--pace=1", False)])
+def test_a_drive_that_reads_no_keys_says_so_where_they_are_needed(tmp_path, option, told):
+    command = [sys.executable, "-m", "drawbar", "drive", option, "--seconds", "1"]
+    ended = subprocess.run(command, input="e", capture_output=True, text=True, cwd=tmp_path, timeout=ENGAGE)
+    assert (NO_KEYS in ended.stdout) is told, ended.stdout
+
+
 @pytest.mark.parametrize(
     "terminal", [[f"--set={change}" for change in (*PATIENT, "safety.timing.recorder=5.0")]], indirect=True
 )
@@ -121,7 +129,7 @@ def test_a_recorder_that_is_killed_costs_the_record_only_and_that_is_told(termin
     os.kill(terminal.child("recorder_main"), signal.SIGKILL)
     terminal.await_words("the recorder has ended: nothing more is recorded")
     terminal.shown = ""
-    terminal.await_words("- nothing is recorded: the disk is full, or the recorder has ended")
+    terminal.await_words("- nothing is recorded: the disk is full or too slow, or the recorder has ended")
     assert "ACTIVE: steering" in terminal.shown
     assert "interrupted" not in terminal.shown
     terminal.process.send_signal(signal.SIGTERM)

@@ -173,6 +173,13 @@ def test_a_runs_folder_that_is_removed_while_driving_costs_the_record_only_and_t
     assert "the log was removed while it was written" in (tmp_path / "messages.txt").read_text()
 
 
+def test_a_recorder_whose_disk_hangs_is_ended_in_the_end(processes, monkeypatch):
+    monkeypatch.setattr(drive_processes, "_WRITING", 0.5)
+    os.kill(processes.by_name["recorder"].pid, signal.SIGSTOP)
+    processes.close()
+    assert processes.killed == ["recorder"]
+
+
 def test_a_guard_that_is_frozen_is_told_and_steering_goes_on(processes):
     front = FrontEnd(processes, demonstrates=True)
     watch(front, steers, ENGAGE)

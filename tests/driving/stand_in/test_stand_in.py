@@ -18,7 +18,8 @@ from drawbar.driving.preparation.check import check
 from drawbar.driving.preparation.wiggle import wiggle_both
 from drawbar.driving.processes.drive_processes import CONFIGURATION_NAME, DriveProcesses
 from drawbar.driving.stand_in.demonstration import free_ports, with_isobus, with_stand_ins
-from drawbar.driving.stand_in.lines import BoardLine
+from drawbar.driving.stand_in.lines import BoardLine, open_line
+from drawbar.errors import HardwareError
 from drawbar.machine.hardware.corrections.settings import CorrectionsSettings
 from drawbar.machine.hardware.receiver import ReceiverSettings
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
@@ -299,3 +300,14 @@ def test_a_board_that_speaks_unasked_is_heard_by_who_only_listens():
         shadow.settimeout(5.0)
         line.send(Output(0.0, b"angle", ""))
         assert shadow.recv(100) == b"angle"
+
+
+@pytest.mark.parametrize(
+    ("address", "advice"), [("tcp://192.0.2.77:5000", "give this computer that address"), (None, "end the program")]
+)
+def test_a_stand_in_that_cannot_be_at_an_address_says_what_to_do(address, advice):
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        with pytest.raises(HardwareError, match=advice):
+            open_line(address or f"tcp://127.0.0.1:{taken.getsockname()[1]}")

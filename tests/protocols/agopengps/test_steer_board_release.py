@@ -27,6 +27,29 @@ def test_a_release_stops_the_motor_with_the_next_call(firmware: str) -> None:
     assert not bench.board.driving
 
 
+def test_a_board_that_was_just_released_is_not_said_to_be_switched_on(firmware: str) -> None:
+    bench = Bench(firmware, 100.0)
+    bench.engage()
+    bench.ask(steer=False)
+    said = set()
+    for _ in range(200):
+        bench.tick()
+        said.add(bench.report.readiness)
+    assert said == {Readiness.TOO_NEW, Readiness.READY}
+
+
+def test_a_board_that_steers_a_second_after_its_release_is_switched_on(firmware: str) -> None:
+    bench = Bench(firmware)
+    bench.engage()
+    bench.replies_pass = False
+    bench.ask(steer=False)
+    on = pack(STEER_BOARD, Pgn.STEER_REPLY, struct.pack("<hhhBB", 0, 9999, 8888, 5, 0))
+    for _ in range(30):
+        bench.tick()
+        bench.adapter.receive(bench.time, on, HOST)
+    assert bench.report.readiness is Readiness.SWITCHED_ON
+
+
 def test_after_a_release_a_second_of_zeros_comes_first(firmware: str) -> None:
     """Rule 1: three frames of zeros with the steer bit off before the next edge."""
     bench = Bench(firmware)

@@ -311,6 +311,19 @@ def test_another_that_steers_ends_steering_and_refuses(destination: int) -> None
     latched_off(bench)
 
 
+def test_another_that_steers_is_not_disturbed_once_off_was_said_for_a_second() -> None:
+    bench = Bench().engage()
+    begin, said = bench.time, list[tuple[float, Intention]]()
+    for _ in range(30):
+        bench.receive(SYSTEM_COMMAND, encode_command(SystemCommand(curvature=0.0, intention=ON)), 0x55)
+        said += bench.run(0.1)
+    assert {what for _, what in said} == {OFF}
+    assert 0.8 < said[-1][0] - begin < 1.1
+    assert bench.valve.report(bench.time).readiness is Readiness.OTHER_MASTER
+    assert not bench.run(0.9)
+    assert {what for _, what in bench.run(0.5)} == {OFF}, "the other one is gone"
+
+
 @pytest.mark.parametrize(("intended", "destination"), [(OFF, GLOBAL), (ON, 0x27)])
 def test_another_that_does_not_steer_this_valve_does_not_matter(intended: Intention, destination: int) -> None:
     bench = Bench().engage()

@@ -7,6 +7,7 @@ from drawbar.machine.stand_in.can_devices import CanDevices
 from drawbar.machine.stand_in.tractor_ecu import StandInTractor
 from drawbar.protocols.actuator import Readiness
 from drawbar.protocols.isobus.address import AddressClaim
+from drawbar.protocols.isobus.guidance_messages import PASSING_EXITS, ExitReason
 from drawbar.protocols.isobus.name import Name
 from drawbar.protocols.isobus.node import IsobusNode
 from drawbar.protocols.isobus.speed_actuator import MachineSpeed
@@ -99,3 +100,37 @@ def test_a_tractor_that_falls_silent_is_not_engaged() -> None:
 def test_a_speed_beyond_the_limit_is_not_asked_for() -> None:
     yard = Yard().run(3.0).run(0.5, 1.0).run(0.3, 3.5)
     assert yard.commanded is None
+
+
+@pytest.mark.parametrize("reason", PASSING_EXITS)
+def test_an_exit_reason_that_a_tractor_keeps_is_over_after_a_second(reason: ExitReason) -> None:
+    yard = Yard().run(3.0)
+    yard.tractor.exit_reason = reason
+    assert yard.run(0.8).readiness in (Readiness.NOT_READY, Readiness.OVERRIDDEN)
+    assert yard.run(0.5).readiness is Readiness.READY
+    yard.run(0.3, 1.0)
+    yard.tractor.exit_reason = ExitReason.NONE
+    assert yard.run(1.0, 1.0).commanded == 1.0
+    assert yard.speed.report(yard.wire.time).engaged
+    yard.tractor.exit_reason = reason
+    yard.run(0.3, 1.0)
+    assert not yard.speed.report(yard.wire.time).engaged
+
+
+def test_a_tractor_that_drives_must_clear_its_exit_reason_within_half_a_second() -> None:
+    yard = Yard().run(3.0)
+    yard.tractor.exit_reason = ExitReason.OPERATOR_OVERRIDE
+    yard.run(2.0).run(0.4, 1.0)
+    assert yard.commanded == 1.0
+    yard.run(0.4, 1.0)
+    assert yard.speed.report(yard.wire.time).overridden
+    assert yard.commanded is None
+
+
+@pytest.mark.parametrize("reason", [ExitReason.NOT_CALIBRATED, ExitReason.FUNCTION_FAULT, 40])
+def test_other_exit_reasons_stand_against_driving_for_as_long_as_they_are_told(reason: int) -> None:
+    yard = Yard().run(3.0)
+    yard.tractor.exit_reason = reason
+    assert yard.run(5.0).readiness is Readiness.NOT_READY
+    yard.tractor.exit_reason, yard.tractor.operator_drives = ExitReason.OPERATOR_OVERRIDE, True
+    assert yard.run(5.0).readiness is Readiness.OVERRIDDEN

@@ -1,7 +1,9 @@
 // Instruments: figures, light bars and map. Draws one picture at a time and says which state of the gate it has drawn.
-// Where no picture has come for a second, everything is greyed: what is shown is old.
+// Where no picture has come for a second, or those that come are late by so much, everything is greyed: what is shown is
+// old. A browser that was frozen gets first what waited for it meanwhile.
 
 const STALE = 1000; // ms
+const DRIFT = 0.1; // ms from picture to picture by which the clocks of browser and console may go apart
 const TRAIL = 3000;
 const MARGIN = 20; // px around the view in which lines are drawn as well
 const BANDS = [[0.05, "--good", 3], [0.15, "--warn", 5], [Infinity, "--bad", 7]]; // error m, colour, width px
@@ -49,7 +51,8 @@ export default {
     this.lines = this.scene.lines;
     this.boundary = this.scene.boundary;
     this.trail = this.scene.trail || [];
-    this.last = 0;
+    this.last = 0; // when the picture would have come by the quickest way, ms
+    this.quickest = Infinity; // the browser's clock when a picture comes, less the console's when it is sent, ms
     if (this.$refs.box.clientWidth > 600) this.scale = 26;
     this.state = null;
     this.unrecorded = false;
@@ -75,7 +78,8 @@ export default {
     },
     draw(picture) {
       this.picture = picture;
-      this.last = performance.now();
+      this.quickest = Math.min(performance.now() - picture.sent, this.quickest + DRIFT);
+      this.last = picture.sent + this.quickest;
       const moving = picture.moving;
       if (moving) {
         const [x, y] = moving.tractor;

@@ -2,7 +2,8 @@
 
 Receivers that are corrected from different base stations are decimetres apart, by a shift that does not turn with the
 vehicle. An estimate absorbs it in yaws and crab angles, and leads both bodies beside the line. The distance shows what
-of the shift is along the vehicle; a wrong hitch angle or crab angle hardly changes it.
+of the shift is along the vehicle; a wrong hitch angle or crab angle hardly changes it. As the shift stays where the
+vehicle has turned, a distance that was wrong counts until it is right again in that direction, or against it.
 """
 
 import math
@@ -18,6 +19,8 @@ from drawbar.vehicle.parameters import Mast, VehicleParameters
 
 _SPAN = 2.0
 """that the mean covers, s"""
+_SAME_WAY = math.cos(math.radians(30.0))
+"""cosine between two directions, forwards or backwards, up to which they are the same"""
 _LIMIT, _LEAN = 0.15, 0.05
 """of the mean difference, m, and of the height of a mast whose pitch is not measured, in addition"""
 
@@ -29,10 +32,13 @@ class AntennaDistance:
         """Begin without a sample; `sample_time` in s."""
         self._lengths = Lengths(**{each.name: getattr(vehicle, each.name) for each in fields(Lengths)})
         self._masts = vehicle.masts
-        self._differences = deque[float](maxlen=max(round(_SPAN / sample_time), 1))
+        self._differences = deque[tuple[float, float]](maxlen=max(round(_SPAN / sample_time), 1))
+        """m, and in which direction the tractor's antenna was, rad"""
+        self._wrong: float | None = None
+        """direction in which it was wrong, rad"""
 
     def update(self, record: StepRecord) -> bool:
-        """Update with a step; return whether the distance is wrong. One without both antennas begins anew."""
+        """Update with a step; return whether the distance is wrong, or was. One without both antennas begins anew."""
         m, found = record.measurement, record.estimate
         angles = (0.0, -found.hitch_angle - found.trailer_steering, found.trailer_steering)
         expected = math.hypot(*(float(each) for each in trailer_antenna(self._lengths, 0.0, 0.0, *angles)))
@@ -42,12 +48,21 @@ class AntennaDistance:
         believed = found.tractor_fix is found.trailer_fix is FixStatus.ACCEPTED
         if not (believed and found.status is SolverStatus.SOLVED and math.isfinite(difference)):
             self._differences.clear()
-            return False
-        self._differences.append(difference)
+            return self._wrong is not None
+        self._differences.append((difference, math.atan2(y - v, x - u)))
         pitches = ((self._masts.tractor.up, m.tractor_pitch), (self._masts.trailer.up, m.trailer_pitch))
         limit = _LIMIT + _LEAN * sum(up for up, pitch in pitches if math.isnan(pitch))
-        full = len(self._differences) == self._differences.maxlen
-        return full and abs(fmean(self._differences)) > limit
+        if len(self._differences) == self._differences.maxlen:
+            self._judge(limit)
+        return self._wrong is not None
+
+    def _judge(self, limit: float) -> None:
+        differences, directions = zip(*self._differences, strict=True)
+        is_wrong, wrong = abs(fmean(differences)) > limit, self._wrong
+        if wrong is None:
+            self._wrong = directions[len(directions) // 2] if is_wrong else None
+        elif not is_wrong and all(abs(math.cos(each - wrong)) >= _SAME_WAY for each in directions):
+            self._wrong = None
 
 
 def _ground(x: float, y: float, body: Pose, mast: Mast, roll: float, pitch: float) -> tuple[float, float]:

@@ -15,8 +15,8 @@ from drawbar.geometry import wrap
 from drawbar.messages import Fixes, seconds
 from drawbar.vehicle.parameters import VehicleParameters
 
-_SPAN = 3.0
-"""of the regression, s"""
+_SPAN, _WAY = 3.0, 3.0
+"""of the regression, s, and m where that takes longer"""
 _GAP = 0.5
 """longest between two epochs, s"""
 _OLDEST = 0.3
@@ -27,8 +27,9 @@ _SPREAD = math.radians(2.0)
 """standard deviation of the predicted directions from which on they say anything, rad"""
 _NOISE = 0.02
 """least standard deviation of a direction at 1 m/s, rad"""
-_SURE = 4.0
-"""standard deviations of the slope"""
+_SURE, _SUSPECTED = 4.0, 2.2
+"""standard deviations of the slope; and where the run is stopping as its position is not known well enough, which a
+mirrored steering leads to at slow speed: sound wheels are twice as far from that"""
 _LOW, _HIGH = 0.3, 1.6
 """magnitudes of the slope of which the sign counts"""
 _LASTS, _REACHES = 0.4, 0.8
@@ -55,8 +56,11 @@ class MirroredSteering:
         self.found = False
         """the steering is mirrored"""
 
-    def hear(self, fixes: Fixes, steering: float) -> None:
-        """Update with an epoch and the measured angle of the front wheels, rad; begin anew without either, or late."""
+    def hear(self, fixes: Fixes, steering: float, *, suspected: bool = False) -> None:
+        """Update with an epoch and the measured angle of the front wheels, rad; begin anew without either, or late.
+
+        suspected: the run is stopping as its position is not known well enough.
+        """
         time, speed, course = seconds(fixes.epoch), fixes.tractor_speed, fixes.tractor_course
         known = speed >= _LEAST_SPEED and math.isfinite(course + steering)
         fresh = seconds(fixes.time) - time <= _OLDEST
@@ -72,14 +76,14 @@ class MirroredSteering:
             self._turned += 0.5 * (rate + self._rate) * (time - last[0])
             course = last[2] + wrap(course - last[2])
         self._samples.append((time, self._turned + math.atan(self._ahead * curvature), course))
-        while time - self._samples[0][0] > _SPAN:
+        while time - self._samples[0][0] > max(_SPAN, _WAY / speed):
             self._samples.popleft()
-        self._judge(speed)
+        self._judge(speed, _SUSPECTED if suspected else _SURE)
 
-    def _judge(self, speed: float) -> None:
+    def _judge(self, speed: float, sure: float) -> None:
         slope, deviation = self._slope(speed)
         sign = 0
-        if max(_SURE * deviation, _LOW) < abs(slope) < _HIGH:
+        if max(sure * deviation, _LOW) < abs(slope) < _HIGH:
             sign = 1 if slope > 0.0 else -1
         self._in_a_row = self._in_a_row + sign if self._in_a_row * sign > 0 else sign
         if abs(self._in_a_row) >= _CONFIRMED:

@@ -21,6 +21,8 @@ MOST = 8
 """that a record holds"""
 _SILENT = 0.5
 """after which a receiver or sensor is reported silent, s: single epochs are lost by radio"""
+_UNPAIRED = 2.0
+"""without an epoch of both receivers, after which their times are reported, s"""
 _KEPT = frozenset(
     {
         SupervisorState.ENGAGING,
@@ -47,6 +49,25 @@ class _Heard:
         if heard or math.isnan(self.last):
             self.last = time if heard else math.nan
         self.is_silent = time - self.last > _SILENT
+
+
+@dataclass(slots=True)
+class _Pairs:
+    """When each receiver was heard last, and both in one epoch, s."""
+
+    heard: list[float] = field(default_factory=lambda: [-math.inf, -math.inf])
+    together: float = math.nan
+
+    def update(self, time: float, *, heard: tuple[int, int]) -> None:
+        if all(heard) or math.isnan(self.together):
+            self.together = time
+        self.heard = [time if now else before for now, before in zip(heard, self.heard, strict=True)]
+
+    @property
+    def never_come(self) -> bool:
+        """Whether both are heard, but for long never in one epoch: they do not mean the same instant by a time."""
+        newest = max(self.heard)
+        return newest - min(self.heard) <= _SILENT and newest - self.together > _UNPAIRED
 
 
 @dataclass(slots=True)
@@ -79,7 +100,7 @@ class Notices:
         """Begin without notices; errors of the yaw sensors are read from the autopilot."""
         self._alignment = autopilot.library.components["alignment"].live
         self._receivers = (_Heard(), _Heard())
-        self._sensors = (_Heard(), _Heard())
+        self._sensors, self._pairs = (_Heard(), _Heard()), _Pairs()
         self._rejections = _Rejections()
         self._reported: dict[Cause, None] = {}
         self._stays = False
@@ -99,6 +120,7 @@ class Notices:
         time = seconds(fixes.epoch)
         for heard, newest in zip(self._receivers, (fixes.tractor_heard, fixes.trailer_heard), strict=True):
             heard.update(time, heard=bool(newest))
+        self._pairs.update(time, heard=(fixes.tractor_heard, fixes.trailer_heard))
         for heard, value in zip(self._sensors, (fixes.hitch_angle, fixes.wheel_speed), strict=True):
             heard.update(time, heard=math.isfinite(value))
 
@@ -132,6 +154,8 @@ class Notices:
     def _present(self, exclusion: FaultExclusion, *, drifts: bool) -> Iterator[Cause]:
         if any(each.is_silent for each in self._receivers):
             yield Cause.RECEIVER_SILENT
+        if self._pairs.never_come:
+            yield Cause.RECEIVER_TIMES
         if any(each.is_silent for each in self._sensors):
             yield Cause.SENSOR_SILENT
         drifts |= self._stays and Cause.POSITIONS_DRIFT in self._reported

@@ -22,7 +22,7 @@ import math
 from collections import deque
 from dataclasses import replace
 
-from drawbar.driving.fault_detection.ways_aside import GAP, SAME, Aside, Lag, Place, Window, mean_of
+from drawbar.driving.fault_detection.ways_aside import GAP, SAME, Aside, Lag, Odometer, Place, Window, mean_of
 from drawbar.messages import Fixes, seconds
 from drawbar.signals import FixQuality, Measurement
 
@@ -49,6 +49,8 @@ _AHEAD = 0.15
 _LAG, _LATE_LAG = 0.15, 0.3
 """by which a receiver's filter lets the velocity's direction lag in a curve at most, s; over the longer time, in which
 a lag counts more than noise"""
+_MISSING = 3.0
+"""longest without a fixed solution, after which it begins anew, s"""
 _CONTRADICTIONS = 2
 """epochs in a row that make a drift"""
 
@@ -57,7 +59,7 @@ class _Antenna:
     """The last places of one antenna."""
 
     def __init__(self) -> None:
-        self._window, self._long = Window(_WINDOW), Window(_LONG)
+        self._window, self._long, self._odometer = Window(_WINDOW), Window(_LONG), Odometer()
         self._lag, self._late_lag = Lag(_WINDOW, _LAG), Lag(_LONG, _LATE_LAG)
         self._recent = deque[tuple[float, Aside]]()
         """times, s, and how far aside it was over the longer time"""
@@ -65,16 +67,13 @@ class _Antenna:
         self._before: Place | None = None
         """the last place before a jump that came with the newest epoch"""
         self._jumped = math.nan
+        self.is_known = False
+        """the newest epoch has its position"""
 
     @property
     def jumped(self) -> float:
         """Time of the last jump that has stayed, NaN: none, s."""
         return self._jumped if self._before is None else math.nan
-
-    @property
-    def is_known(self) -> bool:
-        """Whether the newest epoch has its position."""
-        return self._window.newest is not None
 
     @property
     def late_lag(self) -> float:
@@ -99,29 +98,32 @@ class _Antenna:
 
     def dead_reckoned(self) -> tuple[float, float]:
         """Return where the velocities have led from there, m; NaN where that is not known."""
-        newest = self._window.newest
-        if self._right is None or newest is None:
+        if self._right is None:
             return math.nan, math.nan
-        way, before = newest.way, self._right.way
+        way, before = self._odometer.way, self._right.way
         return self._right.x + way[0] - before[0], self._right.y + way[1] - before[1]
 
     def add(self, time: float, x: float, y: float, velocity: tuple[float, float]) -> float:
-        """Take in an epoch with a fixed solution, or NaN.
+        """Take in an epoch; its place is NaN where it has no fixed solution.
 
         Returns:
             How far it is aside, to the left, as a share of what is a contradiction of both; NaN where not known.
         """
-        if not math.isfinite(x + y + sum(velocity)):
+        goes_on = self._odometer.add(time, velocity)
+        last, was_known = self._window.newest, self.is_known
+        self.is_known = math.isfinite(x + y + sum(velocity))
+        if not goes_on or (last is not None and time - last.time > _MISSING):
             self._begin_anew()
+            last = None
+        if not self.is_known:
             self._before = None
+            self._recent.clear()
             return math.nan
-        last = self._window.newest
-        if last is not None and last.leads_to(time, x, y):
-            self._before = None
-        elif last is not None:
+        if last is not None and was_known and time - last.time <= GAP:
+            self._follow(last, time, x, y)
+        elif last is not None and not last.is_near(x, y, self._odometer.way):
             self._begin_anew()
-            self._jump(last, time, x, y)
-        place = Place(time, x, y, velocity, self._way(time, velocity))
+        place = Place(time, x, y, velocity, self._odometer.way, self._odometer.doubt)
         self._window.add(place)
         self._long.add(place)
         aside = self._window.aside(self._window.way)
@@ -137,20 +139,17 @@ class _Antenna:
         self._recent.clear()
         self._right = None
 
-    def _jump(self, last: Place, time: float, x: float, y: float) -> None:
-        """Take in a place that the last one does not lead to; none that goes back after a single epoch has jumped."""
-        goes_back = self._before is not None and self._before.leads_to(time, x, y)
-        jumps = 0.0 < time - last.time <= GAP and not goes_back
-        self._before, self._jumped = (last, time) if jumps else (None, math.nan)
+    def _follow(self, last: Place, time: float, x: float, y: float) -> None:
+        """Take in the place of the next epoch: one to which the last one does not lead is a jump.
 
-    def _way(self, time: float, velocity: tuple[float, float]) -> tuple[float, float]:
-        """Return the velocity's integral until now, m."""
-        last = self._window.newest
-        if last is None:
-            return 0.0, 0.0
-        half = 0.5 * (time - last.time)
-        east, north = last.way
-        return east + half * (last.velocity[0] + velocity[0]), north + half * (last.velocity[1] + velocity[1])
+        None that goes back after a single epoch has jumped.
+        """
+        if last.leads_to(time, x, y):
+            self._before = None
+            return
+        self._begin_anew()
+        goes_back = self._before is not None and self._before.leads_to(time, x, y)
+        self._before, self._jumped = (None, math.nan) if goes_back else (last, time)
 
     def _look(self, time: float, aside: Aside) -> float:
         share = aside.share_of(_ASIDE, _SHARE, self._lag.longest)
@@ -240,8 +239,8 @@ class PositionDrift:
     def hear(self, fixes: Fixes) -> None:
         """Take in an epoch."""
         self._time = time = seconds(fixes.epoch)
-        tractor = self._tractor.add(time, *fixed_motion(fixes, "tractor"))
-        trailer = self._trailer.add(time, *fixed_motion(fixes, "trailer"))
+        tractor = self._tractor.add(time, *_motion(fixes, "tractor"))
+        trailer = self._trailer.add(time, *_motion(fixes, "trailer"))
         self._contradictions = self._contradictions + 1 if _contradict(tractor, trailer) else 0
 
 
@@ -265,8 +264,14 @@ def _agree(tractor: float, trailer: float) -> bool:
 
 def fixed_motion(fixes: Fixes, body: str) -> tuple[float, float, tuple[float, float]]:
     """Return place (m) and velocity (m/s) of an antenna, NaN unless its ambiguities are fixed."""
-    if getattr(fixes, f"{body}_quality") != FixQuality.FIXED:
-        return math.nan, math.nan, (math.nan, math.nan)
+    x, y, velocity = _motion(fixes, body)
+    return (x, y, velocity) if math.isfinite(x) else (math.nan, math.nan, (math.nan, math.nan))
+
+
+def _motion(fixes: Fixes, body: str) -> tuple[float, float, tuple[float, float]]:
+    """Return place (m) and velocity (m/s) of an antenna, the place NaN unless its ambiguities are fixed."""
     speed, course = getattr(fixes, f"{body}_speed"), getattr(fixes, f"{body}_course")
     velocity = (speed * math.cos(course), speed * math.sin(course))
+    if getattr(fixes, f"{body}_quality") != FixQuality.FIXED:
+        return math.nan, math.nan, velocity
     return getattr(fixes, f"{body}_x"), getattr(fixes, f"{body}_y"), velocity

@@ -12,8 +12,11 @@ from statistics import fmean
 
 JUMP = 0.5
 """m beside where the velocity leads from one epoch to the next: farther is a jump, no drift"""
-GAP = 0.5
-"""between two epochs, after which it begins anew, s; as after a jump"""
+GAP, BRIDGED = 0.5, 1.3
+"""between two velocities, s: after the first the way between them is in doubt, after the second it begins anew"""
+_SWERVE = 0.02
+"""by which the way between two velocities may be beside their mean, m for each m²/s² and s³: where the front wheels
+turn at 20°/s all the while"""
 _LEAST = 0.25
 """mean speed whose way has a direction, m/s"""
 _DOUBT = 2.0
@@ -36,12 +39,45 @@ class Place:
     """east and north, m/s"""
     way: tuple[float, float]
     """integral of the velocity, east and north, m"""
+    doubt: float = 0.0
+    """by which that may be wrong, as epochs were lost, m"""
 
     def leads_to(self, time: float, x: float, y: float) -> bool:
         """Return whether another place can be a next one, without a gap or a jump."""
         step = time - self.time
         led = (self.x + step * self.velocity[0], self.y + step * self.velocity[1])
         return 0.0 < step <= GAP and math.dist((x, y), led) <= JUMP
+
+    def is_near(self, x: float, y: float, way: tuple[float, float]) -> bool:
+        """Return whether the way until now leads near another place, without a jump."""
+        led = (self.x + way[0] - self.way[0], self.y + way[1] - self.way[1])
+        return math.dist((x, y), led) <= JUMP
+
+
+class Odometer:
+    """Integral of a receiver's velocities; over lost epochs it is in doubt, over many it begins anew."""
+
+    def __init__(self) -> None:
+        """Begin at zero."""
+        self.way = (0.0, 0.0)
+        """east and north, m"""
+        self.doubt = 0.0
+        """by which it may be wrong, as epochs were lost, m"""
+        self._time, self._velocity = math.nan, (0.0, 0.0)
+
+    def add(self, time: float, velocity: tuple[float, float]) -> bool:
+        """Take in a velocity, m/s, NaN: unknown; return whether the way goes on from before."""
+        if not math.isfinite(sum(velocity)):
+            return time - self._time <= BRIDGED
+        step, before = time - self._time, self._velocity
+        self._time, self._velocity = time, velocity
+        if not 0.0 < step <= BRIDGED:
+            return False
+        east, north = self.way
+        self.way = (east + 0.5 * step * (before[0] + velocity[0]), north + 0.5 * step * (before[1] + velocity[1]))
+        if step > GAP:
+            self.doubt += _SWERVE * max(math.hypot(*before), math.hypot(*velocity)) ** 2 * step**3
+        return True
 
 
 class Lag:
@@ -82,16 +118,18 @@ class Aside:
     """m"""
     per_lag: float
     """by how much more it is to the left for each second by which the velocity's direction lags, m/s"""
+    doubt: float
+    """by which it may be wrong, as epochs were lost, m"""
 
     def share_of(self, least: float, share: float, lag: float) -> float:
         """Return it as a share of the most that a lag (s) and other errors, m and of the way, explain."""
         inside = self.left * self.per_lag > 0.0
-        return self.left / max(least, share * self.way + inside * lag * abs(self.per_lag))
+        return self.left / (max(least, share * self.way + inside * lag * abs(self.per_lag)) + self.doubt)
 
     def beyond(self, other: "Aside") -> "Aside":
         """Return how much farther aside it is than another, without what a lag of both does to both."""
-        way, ahead = max(self.way, other.way), self.ahead - other.ahead
-        return Aside(self.left - other.left, way, ahead, self.per_lag - other.per_lag)
+        way, ahead, doubt = max(self.way, other.way), self.ahead - other.ahead, self.doubt + other.doubt
+        return Aside(self.left - other.left, way, ahead, self.per_lag - other.per_lag, doubt)
 
 
 def mean_of(asides: Sequence[Aside]) -> Aside:
@@ -151,4 +189,5 @@ class Window:
             way=way,
             ahead=x * off_x + y * off_y,
             per_lag=x * turned[1] - y * turned[0],
+            doubt=last.doubt - first.doubt,
         )

@@ -3,10 +3,12 @@
 import math
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import replace
 
 from drawbar.config import Configuration
 from drawbar.driving.fault_detection.antenna_distance import AntennaDistance
 from drawbar.driving.fault_detection.antennas_apart import AntennasApart
+from drawbar.driving.fault_detection.contradicting_speeds import ContradictingSpeeds
 from drawbar.driving.fault_detection.fault_exclusion import FaultExclusion
 from drawbar.driving.fault_detection.mirrored_steering import MirroredSteering
 from drawbar.driving.fault_detection.notices import Notices
@@ -20,6 +22,7 @@ from drawbar.errors import DrawbarError, PathError
 from drawbar.geometry import wrap
 from drawbar.guidance.path import Path
 from drawbar.messages import CommandMessage, ControllerState, Fixes, GateState, Mode, SupervisorState
+from drawbar.safety.causes import Cause
 from drawbar.signals import Command, FixQuality, FixStatus, Measurement, Status, StepRecord
 from drawbar.step.build import build_autopilot
 
@@ -64,13 +67,15 @@ class Controller:
         self._autopilot.set_engaged(False)
         self._stands = False
         """the driver has halted"""
+        self._wheel_speed = math.nan
+        """as measured last, m/s"""
         self._made_engaged = False
         """the newest command was made while engaged: before that it repeats the steering, with a speed of zero"""
         self._uncertainty_of = uncertainty_of(self._autopilot, configuration)
         self.uncertainty = Uncertainty()
         """of the newest estimate"""
         self._exclusion = FaultExclusion(configuration.sanity, configuration.vehicle, configuration.sample_time)
-        self._drift, self._swapped = PositionDrift(), SwappedReceivers()
+        self._drift, self._swapped, self._speeds = PositionDrift(), SwappedReceivers(), ContradictingSpeeds()
         self._mirrored = MirroredSteering(configuration.vehicle, configuration.sample_time)
         self._apart = AntennasApart(configuration.vehicle.masts, configuration.sample_time)
         self._distance = AntennaDistance(configuration.vehicle, configuration.sample_time)
@@ -116,11 +121,15 @@ class Controller:
         self._drift.hear(fixes)
         self._notices.hear_fixes(fixes)
         self._swapped.hear(fixes)
+        self._speeds.hear(fixes)
         forwards = not self._swapped.found  # backwards it turns the other way
-        self._mirrored.hear(fixes, self._gate.tractor_angle if self._gate and forwards else math.nan)
+        angle = self._gate.tractor_angle if self._gate and forwards else math.nan
+        unsure = self._gate is not None and self._gate.cause == Cause.POSITION_LOST.value
+        self._mirrored.hear(fixes, angle, suspected=unsure)
 
     def feedback(self, measurement: Measurement, now: int) -> CommandMessage:
         """Return the command that answers a measurement; call prepare() once it is out."""
+        self._wheel_speed = measurement.speed
         if not self.engaged and self._is_to_begin(measurement):
             self._begin_beside(measurement)
         if self.engaged:
@@ -143,6 +152,8 @@ class Controller:
 
     def _believed(self, measurement: Measurement) -> Measurement:
         """Return a measurement without what is excluded, with positions by dead reckoning where they drift."""
+        if self._speeds.found:
+            measurement = replace(measurement, speed=math.nan)
         if self._dead_reckons:
             return self._exclusion.without_trailer(self._drift.dead_reckoned(measurement))
         return self._exclusion.without_excluded(measurement)
@@ -267,7 +278,7 @@ class Controller:
             tractor_heading_error=wrap(record.estimate.tractor.yaw - tractor.closest[2]),
             trailer_heading_error=wrap(record.estimate.trailer.yaw - trailer.closest[2]),
             hitch_angle=record.estimate.hitch_angle,
-            wheel_speed=measurement.speed,
+            wheel_speed=self._wheel_speed,
             receiver_speed=receiver_speed,
             line_offset=self._line.offset + self._line.nudge,
             against=int(self._line.against),

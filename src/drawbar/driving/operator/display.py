@@ -138,9 +138,10 @@ def _numbers(state: GateState | None, controller: ControllerState | None) -> Ite
     bodies, known = ("tractor", "trailer"), is_beside_line(state, controller)
     errors = [getattr(controller, f"{body}_lateral_error") if known else math.nan for body in bodies]
     yield Text("   ".join(f"{body} {_side(error)}" for body, error in zip(bodies, errors, strict=True)))
+    age = f"   corrections {controller.correction_age:.0f} s" if math.isfinite(controller.correction_age) else ""
+    yield Text(f"{_speed(controller.wheel_speed)}{age}")
     fixes = ", ".join(f"{body} {FixQuality(getattr(controller, f'{body}_quality')).name.lower()}" for body in bodies)
-    age = f", corrections {controller.correction_age:.0f} s" if math.isfinite(controller.correction_age) else ""
-    yield Text(f"{_speed(controller.wheel_speed)}   fix: {fixes}{age}")
+    yield Text(f"fix: {fixes}")
 
 
 def _side(error: float) -> str:

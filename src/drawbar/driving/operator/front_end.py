@@ -33,10 +33,13 @@ _MOST_KEYS = 64
 
 
 class Keyboard:
-    """Single keys of a terminal, as a context; nothing where standard input is no terminal."""
+    """Single keys of a terminal, as a context; nothing where standard input is no terminal.
+
+    `is_gone`: the terminal was closed, and nobody is there; SIGHUP, which says so too, may be ignored.
+    """
 
     def __enter__(self) -> Self:
-        self._terminal = sys.stdin.isatty()
+        self._terminal, self.is_gone = sys.stdin.isatty(), False
         if self._terminal:
             self._before = termios.tcgetattr(sys.stdin)
             tty.setcbreak(sys.stdin)
@@ -53,10 +56,11 @@ class Keyboard:
         """Return the keys that were pressed since the last call, in order; empty where there were none."""
         if not self._terminal or not select.select([sys.stdin], [], [], 0.0)[0]:
             return ""
-        try:
-            return os.read(sys.stdin.fileno(), _MOST_KEYS).decode(errors="replace")  # a stream would keep others back
-        except OSError:  # the terminal is gone
-            return ""
+        keys = b""
+        with suppress(OSError):
+            keys = os.read(sys.stdin.fileno(), _MOST_KEYS)  # a stream would keep others back
+        self.is_gone |= not keys
+        return keys.decode(errors="replace")
 
 
 class FrontEnd:

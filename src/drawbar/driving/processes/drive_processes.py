@@ -10,7 +10,7 @@ import sys
 import time
 from pathlib import Path
 from types import TracebackType
-from typing import IO, Self
+from typing import Self
 
 from drawbar.config import Configuration
 from drawbar.driving.devices.gate_options import gate_options
@@ -24,6 +24,7 @@ from drawbar.driving.messaging.process_options import (
     ProcessOptions,
 )
 from drawbar.driving.messaging.socket_folder import SocketFolder
+from drawbar.driving.processes.process_output import ProcessOutput
 from drawbar.driving.processes.shutdown import environment, signals_ignored
 from drawbar.errors import HardwareError
 from drawbar.safety.channels import controller_pair
@@ -39,8 +40,8 @@ LOSSES = {
 """processes without which a drive continues, the last one only while it steers, and what is then said"""
 _ROOM = 1_000_000
 """with less free space a disk is full, bytes"""
-_ENDING = 5.0
-"""within which a process must end that was told to, s"""
+_ENDING, _WRITING = 5.0, 30.0
+"""within which a process must end that was told to, and the recorder have written what waits, s"""
 _STARTING = 30.0
 """within which a process must have opened its socket, s"""
 
@@ -77,8 +78,10 @@ class DriveProcesses:
         self.configuration, self._run = configuration, run
         self._stand_ins, self._shadow, self._console = stand_ins, shadow, console
         self.by_name: dict[str, subprocess.Popen[bytes]] = {}
+        self.killed: list[str] = []
+        """names of processes that did not end when they were told to"""
         self._folder = SocketFolder()
-        self._messages: IO[bytes] = (run / MESSAGES_NAME).open("wb")
+        self._output = ProcessOutput(run / MESSAGES_NAME)
         self.options = ProcessOptions(
             folder=self._folder.name,
             run=str(run),
@@ -146,8 +149,8 @@ class DriveProcesses:
         process = subprocess.Popen(
             [sys.executable, "-m", f"drawbar.{module}", *arguments],
             stdin=subprocess.PIPE,
-            stdout=self._messages,
-            stderr=self._messages,
+            stdout=self._output.descriptor,
+            stderr=self._output.descriptor,
             pass_fds=[end.fileno() for end in ends],
             start_new_session=True,  # Ctrl-C is for the front end, which then ends them in order
             env={**environment(), "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
@@ -166,11 +169,8 @@ class DriveProcesses:
             time.sleep(0.01)
 
     def output(self) -> list[str]:
-        """Return the lines that the processes have written; none where the run's folder is gone."""
-        try:
-            return (self._run / MESSAGES_NAME).read_text("utf-8", "replace").strip().splitlines()
-        except OSError:
-            return []
+        """Return the lines that the processes have written."""
+        return self._output.text.strip().splitlines()
 
     def last_output(self) -> str:
         """Return the last lines that the processes have written; where there is no room for any, that."""
@@ -183,11 +183,11 @@ class DriveProcesses:
 
     def close(self) -> None:
         """End the gate first, so that the actuators release the steering; then all others, the recorder last."""
-        if self._messages.closed:
+        if self._output.closed:
             return
         with signals_ignored():
             self._end_all()
-            self._messages.close()
+            self._output.close()
             self._folder.cleanup()
 
     def _end_all(self) -> None:
@@ -196,7 +196,8 @@ class DriveProcesses:
             if process is not None and process.poll() is None:
                 process.send_signal(signal.SIGTERM)
                 try:
-                    process.wait(_ENDING)
+                    process.wait(_WRITING if name == RECORDER else _ENDING)
                 except subprocess.TimeoutExpired:
+                    self.killed.append(name)
                     process.kill()
                     process.wait()

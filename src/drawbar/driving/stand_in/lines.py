@@ -1,5 +1,6 @@
 """Lines of the stand-in: sockets, pseudo-terminals and a CAN bus, where the configuration has devices."""
 
+import errno
 import os
 import socket
 import tty
@@ -197,9 +198,10 @@ def _bound(kind: socket.SocketKind, place: tuple[str, int], address: str) -> soc
         bound.bind(place)
     except OSError as error:
         bound.close()
-        raise HardwareError(
-            f"the stand-in cannot be at {address} ({error.strerror}); end the program that is there"
-        ) from None
+        advice = "end the program that is there"
+        if error.errno == errno.EADDRNOTAVAIL:
+            advice = "give this computer that address, or put one of 127.0.0.x in its place in a copy of the file"
+        raise HardwareError(f"the stand-in cannot be at {address} ({error.strerror}); {advice}") from None
     return bound
 
 

@@ -67,12 +67,14 @@ class RecordedLine:
         if len(kept) < 2:
             raise PathError(
                 f"{places[0]}: line {name!r} has {len(kept)} "
-                f"different point(s); it needs at least two that are more than {_SAME_POINT:g} m apart"
+                f"different point(s); it needs at least two that are more than {1e3 * _SAME_POINT:g} mm apart"
             )
         if not (_SHORTEST <= (length := float(step.sum())) <= _LONGEST):
+            metres = f"{length:.0f}" if length > 1.0 else f"{length:.4g}"
             raise PathError(
-                f"{places[0]}: line {name!r} is {length:.4g} m long; {_SHORTEST:g} to {_LONGEST:g} m are allowed: are "
-                f"its coordinates in metres, as CSV and AgOpenGPS have them, or in degrees, as GeoJSON has them?"
+                f"{places[0]}: line {name!r} is {metres} m long; {_SHORTEST:g} m to {1e-3 * _LONGEST:g} km are "
+                f"allowed: are its coordinates in metres, as CSV and AgOpenGPS have them, or in degrees, as "
+                f"GeoJSON has them?"
             )
         if repeated:
             _LOGGER.warning("line %r: dropped %d repeated point(s)", name, repeated)

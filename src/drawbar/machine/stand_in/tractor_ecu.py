@@ -37,6 +37,8 @@ class StandInTractor(Component):
         self.ground_speed: float | None = 0.0
         """over ground, m/s, reverse negative; None: this facility is lost"""
         self.operator_drives = False
+        self.exit_reason = 0
+        """why it left the last command, as it tells"""
         """the operator has taken the speed over by pedal or lever"""
         self._node = node
         self._cadence = Cadence(_PERIOD)
@@ -82,7 +84,11 @@ class StandInTractor(Component):
             frames.append(self._node.frame(WHEEL_SPEED, encode_speed(value, WheelStates(key_on=True))))
             limit = LimitStatus.OPERATOR if self.operator_drives else LimitStatus.NOT_LIMITED
             selected = SelectedSpeed(
-                speed=self.wheel_speed, distance=wheel, source=SpeedSource.WHEEL, exit_reason=0, limit=limit
+                speed=self.wheel_speed,
+                distance=wheel,
+                source=SpeedSource.WHEEL,
+                exit_reason=self.exit_reason,
+                limit=limit,
             )
             frames.append(self._node.frame(SELECTED_SPEED, encode_selected_speed(selected)))
         if self.ground_speed is not None:

@@ -176,7 +176,7 @@ class SteerBoard(SteeringActuator[bytes]):
         if not replies.plausible:
             return Readiness.FAULT
         if not replies.steer_off:
-            return Readiness.SWITCHED_ON
+            return Readiness.TOO_NEW if time - self._released < OFF_TIME else Readiness.SWITCHED_ON
         if not abs(self._speed) <= FASTEST:
             return Readiness.NOT_READY
         prepared = self._off_frames >= OFF_FRAMES and time - self._off_since >= OFF_TIME

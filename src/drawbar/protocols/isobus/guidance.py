@@ -9,6 +9,7 @@ from drawbar.protocols.isobus.cadence import Cadence
 from drawbar.protocols.isobus.curvature import CurvatureMap
 from drawbar.protocols.isobus.guidance_messages import (
     MACHINE_INFO,
+    PASSING_EXITS,
     SYSTEM_COMMAND,
     ExitReason,
     Intention,
@@ -32,20 +33,10 @@ _CLEARED = 0.5
 """within which a valve that steers must have cleared an exit reason from before, s"""
 _OTHER_MASTER_HOLD = 1.0
 """for how long another sender of commands is remembered, s"""
+_OFF_TIME = 1.0
+"""for which "not intended" is said after steering, also where another sender commands, s"""
 _OPERATOR_EXITS = (ExitReason.OPERATOR_OVERRIDE,)
 _FAULT_EXITS = (ExitReason.CONTROL_FAULT, ExitReason.FUNCTION_FAULT, ExitReason.ERROR)
-_PASSING_EXITS = (
-    ExitReason.OPERATOR_PRESENCE,
-    ExitReason.IMPLEMENT_RELEASED,
-    ExitReason.OPERATOR_OVERRIDE,
-    ExitReason.CONTROL_NOT_IN_POSITION,
-    ExitReason.COMMAND_TIMEOUT,
-    ExitReason.OUT_OF_RANGE,
-    ExitReason.GEAR,
-    ExitReason.TOO_SLOW,
-    ExitReason.TOO_FAST,
-)
-"""reasons that may be over while a valve still tells them"""
 _NO_EXITS = (ExitReason.NONE, ExitReason.NOT_AVAILABLE)
 _LIMITS_WHILE_STEERING = (LimitStatus.NOT_LIMITED, LimitStatus.LIMITED_HIGH, LimitStatus.LIMITED_LOW)
 """a valve at its stop still steers as asked as far as it can"""
@@ -66,7 +57,8 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
     while every condition holds. Whatever ends it - the request, the valve, silence, the operator, the loss of the
     address - is followed at once by "not intended", and by that alone until the gate has released. Commands go every
     `period`, s, whatever the rate of `send`, a new angle up to a fifth of it earlier; only that first "not intended"
-    comes out of turn.
+    comes out of turn. While another sender intends to steer the valve nothing is commanded, but for the second after
+    drawbar has steered.
 
     An exit reason tells why a valve takes no commands, or why it has last ceased to. Where a valve keeps it although it
     says that it is ready, it is the latter after a second, and does not stand against steering; the valve must clear
@@ -92,7 +84,7 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
         self._stop_now = False
         """"not intended" is to be said out of turn"""
         self._source: int | None = address
-        self._info_time = self._second_valve_time = self._other_master_time = -math.inf
+        self._info_time = self._second_valve_time = self._other_master_time = self._steered = -math.inf
         self._received_since = self._steering_since = self._reason_since = math.inf
         self._losses = node.claim.losses
         node.attach(self)
@@ -118,6 +110,8 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
         frames = self._node.send(time)
         self._follow(time, request)
         if not self._node.claim.held:
+            return frames
+        if self._yields(time):
             return frames
         if self._stop_now:
             self._cadence.restart(time)
@@ -178,6 +172,11 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
         elif (conditions := self._conditions(time)) is not Readiness.READY:
             self._leave(conditions)
 
+    def _yields(self, time: float) -> bool:
+        """Return whether somebody else steers the valve, whom "not intended" would disturb; it was said for a while."""
+        released = self._phase is not _Phase.STEERING and time - self._steered >= _OFF_TIME
+        return released and time - self._other_master_time <= _OTHER_MASTER_HOLD
+
     def _sayable(self, angle: float) -> bool:
         return math.isfinite(angle) and encodable(self._map.curvature(angle))
 
@@ -196,6 +195,7 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
         elif self._phase is _Phase.RELEASED:
             self._phase, self._steering_since = _Phase.STEERING, time
         self._last_sent = request.angle
+        self._steered = time if self._phase is _Phase.STEERING else self._steered
         if self._phase is _Phase.STEERING:
             command = SystemCommand(curvature=self._map.curvature(request.angle), intention=Intention.INTENDED)
         else:
@@ -221,7 +221,7 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
         """Return whether an exit reason of a valve that is ready is that of an earlier end."""
         cleared_by = self._steering_since + _CLEARED if self._phase is _Phase.STEERING else math.inf
         settled = time - max(self._reason_since, self._received_since) >= _SETTLED
-        return reason in _PASSING_EXITS and settled and time <= cleared_by
+        return reason in PASSING_EXITS and settled and time <= cleared_by
 
     def _state(self, time: float, info: MachineInfo) -> Readiness:
         """Return what the valve's own states allow; what it does not say is no."""

@@ -57,6 +57,20 @@ class ExitReason(IntEnum):
     NOT_AVAILABLE = 63
 
 
+PASSING_EXITS = (
+    ExitReason.OPERATOR_PRESENCE,
+    ExitReason.IMPLEMENT_RELEASED,
+    ExitReason.OPERATOR_OVERRIDE,
+    ExitReason.CONTROL_NOT_IN_POSITION,
+    ExitReason.COMMAND_TIMEOUT,
+    ExitReason.OUT_OF_RANGE,
+    ExitReason.GEAR,
+    ExitReason.TOO_SLOW,
+    ExitReason.TOO_FAST,
+)
+"""reasons that may be over while a valve or tractor still tells them"""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SystemCommand:
     """The guidance system's command."""

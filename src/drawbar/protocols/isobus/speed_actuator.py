@@ -4,7 +4,7 @@ import math
 from collections import Counter
 
 from drawbar.protocols.actuator import Readiness
-from drawbar.protocols.isobus.guidance_messages import ExitReason, LimitStatus
+from drawbar.protocols.isobus.guidance_messages import PASSING_EXITS, ExitReason, LimitStatus
 from drawbar.protocols.isobus.identifier import Message
 from drawbar.protocols.isobus.node import Component, IsobusNode
 from drawbar.protocols.isobus.speed_command import SpeedCommand
@@ -15,7 +15,9 @@ from drawbar.transports.base import CanFrame
 
 _FACILITY = "selected speed"
 _SETTLED = 1.0
-"""the tractor must have been heard for so long before it is engaged, s"""
+"""the tractor must have been heard for so long before it is engaged, and have told an exit reason that is over, s"""
+_CLEARED = 0.5
+"""within which a tractor that drives must have cleared an exit reason from before, s"""
 
 
 class MachineSpeed(SpeedActuator[CanFrame], Component):
@@ -24,6 +26,10 @@ class MachineSpeed(SpeedActuator[CanFrame], Component):
     Once it has driven, a request to stop is a ramp down to set point 0, which is held until the operator takes over at
     the tractor, as its selected speed says, or until it drives again. Before that, and after the operator has, no speed
     is asked for, and said to be none.
+
+    A tractor may keep the exit reason of the last command that it left until it takes another one. As its selected
+    speed tells no readiness, a reason that it has told for a second does not stand against driving; it must clear it
+    once it drives.
     """
 
     def __init__(self, node: IsobusNode, limit: float) -> None:
@@ -36,7 +42,8 @@ class MachineSpeed(SpeedActuator[CanFrame], Component):
         self._node, self._tractor, self._command = node, Tractor(), SpeedCommand(node, limit)
         self._set_point: float | None = None
         self._asked = -math.inf
-        self._driving_since = self._received_since = math.inf
+        self._driving_since = self._received_since = self._reason_since = math.inf
+        self._reason: int | None = None
         self._overridden = False
         node.attach(self)
 
@@ -51,7 +58,10 @@ class MachineSpeed(SpeedActuator[CanFrame], Component):
         reading = self._tractor.reading(_FACILITY, time)
         if lost and reading is not None:
             self._received_since = time
-        if self._set_point is not None and _state(reading) is Readiness.OVERRIDDEN:
+        reason = reading.exit_reason if isinstance(reading, SelectedSpeed) else None
+        if reason != self._reason or lost:
+            self._reason, self._reason_since = reason, time
+        if self._set_point is not None and self._state(time, reading) is Readiness.OVERRIDDEN:
             self._set_point, self._overridden = None, True
 
     def send(self, time: float, request: SpeedRequest) -> list[CanFrame]:
@@ -85,16 +95,21 @@ class MachineSpeed(SpeedActuator[CanFrame], Component):
             return Readiness.ADDRESS_LOST
         if not isinstance(reading, SelectedSpeed):
             return Readiness.SILENT
-        return Readiness.TOO_NEW if time - self._received_since < _SETTLED else _state(reading)
+        return Readiness.TOO_NEW if time - self._received_since < _SETTLED else self._state(time, reading)
 
+    def _is_past(self, time: float, reason: int) -> bool:
+        """Return whether an exit reason is that of an earlier end."""
+        settled = time - self._reason_since >= _SETTLED
+        return reason in PASSING_EXITS and settled and not time - self._driving_since > _CLEARED
 
-def _state(reading: object) -> Readiness:
-    """Return what a tractor's selected speed says of whether it takes commands."""
-    if not isinstance(reading, SelectedSpeed):
-        return Readiness.SILENT
-    if reading.limit == LimitStatus.OPERATOR or reading.exit_reason == ExitReason.OPERATOR_OVERRIDE:
-        return Readiness.OVERRIDDEN
-    if reading.limit == LimitStatus.NON_RECOVERABLE:
-        return Readiness.FAULT
-    known = reading.exit_reason in (ExitReason.NONE, ExitReason.NOT_AVAILABLE) and math.isfinite(reading.speed)
-    return Readiness.READY if known else Readiness.NOT_READY
+    def _state(self, time: float, reading: object) -> Readiness:
+        """Return what a tractor's selected speed says of whether it takes commands."""
+        if not isinstance(reading, SelectedSpeed):
+            return Readiness.SILENT
+        reason = ExitReason.NONE if self._is_past(time, reading.exit_reason) else reading.exit_reason
+        if reading.limit == LimitStatus.OPERATOR or reason == ExitReason.OPERATOR_OVERRIDE:
+            return Readiness.OVERRIDDEN
+        if reading.limit == LimitStatus.NON_RECOVERABLE:
+            return Readiness.FAULT
+        known = reason in (ExitReason.NONE, ExitReason.NOT_AVAILABLE) and math.isfinite(reading.speed)
+        return Readiness.READY if known else Readiness.NOT_READY
