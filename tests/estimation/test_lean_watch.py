@@ -54,6 +54,8 @@ class Drive:
     speed: float = 1.0
     zeros: tuple[float, float] = (0.0, 0.0)
     """of both roll sensors, rad"""
+    late: float = 0.0
+    """by how much the ground that both roll sensors tell of is late, s"""
     noise: float = 0.02
     """of the fixes, m"""
     seed: int = 0
@@ -67,16 +69,15 @@ class Drive:
             x, y = (x + step * math.cos(yaw), y + step * math.sin(yaw)) if k else (0.0, 0.0)
             poses = [Pose(x=x - back * math.cos(yaw), y=y - back * math.sin(yaw), yaw=yaw) for back in (0.0, 2.15)]
             values: dict[str, float] = {"time": SAMPLE * k, "speed": self.speed}
-            sensors = zip(
-                ("tractor", "trailer"), poses, (self.tractor(way), self.trailer(way)), self.zeros, strict=True
-            )
-            for body, pose, beside, zero in sensors:
+            sensors = zip(("tractor", "trailer"), poses, (self.tractor, self.trailer), self.zeros, strict=True)
+            for body, pose, lean, zero in sensors:
+                beside, told = lean(way), lean(way - self.late * self.speed)
                 mast = getattr(self.vehicle.masts, body)
                 roll, pitch = self.slope * math.cos(yaw) + beside, self.slope * math.sin(yaw)
                 arm = arm_offset(yaw, roll, pitch, (mast.forward, mast.left, mast.up))
                 fix = np.array([pose.x, pose.y]) + arm + rng.normal(0.0, self.noise, 2)
                 values |= {f"{body}_x": fix[0], f"{body}_y": fix[1]}
-                values[f"{body}_roll"] = roll + zero + rng.normal(0.0, NOISE)
+                values[f"{body}_roll"] = roll + told - beside + zero + rng.normal(0.0, NOISE)
                 values[f"{body}_pitch"] = pitch + rng.normal(0.0, NOISE)
             fixes = [values.pop(name) for name in ("tractor_x", "tractor_y", "trailer_x", "trailer_y")]
             yield measured(*fixes, **values), poses
@@ -125,6 +126,18 @@ def test_an_antenna_that_swings_against_its_roll_names_the_sensor(body: str, fau
     when, found = watched(drive, reversed_rolls(body))
     assert when <= 8.0
     assert found == faults
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_late_roll_of_a_body_that_rocks_is_not_reversed(seed: int) -> None:
+    """0.2 s are nearly half a period of its rocking."""
+
+    def rocking(way: float) -> float:
+        return 0.5 * wavy(way) + math.radians(1.2) * math.sin(2.2 * 2.0 * math.pi * way)
+
+    drive = Drive(tractor=rocking, trailer=lambda way: rocking(way - 2.4), late=0.2, seed=seed)
+    assert watched(drive, lasts=120.0) == (math.inf, [0, 0])
+    assert watched(replace(drive, late=0.0), reversed_rolls("tractor"))[1] == [REVERSED, 0]
 
 
 def test_two_bodies_that_lean_away_from_each_other_are_seen_at_once() -> None:

@@ -17,11 +17,12 @@ from drawbar.signals import BodyReference, Estimate, FixStatus, Flag, Measuremen
 from drawbar.simulation import Simulation
 
 SAMPLE = 0.2
+LONGEST_SWING = 8.0
 
 
-def estimate(yaw: float = 0.0, steering: float = 0.0) -> Estimate:
+def estimate(yaw: float = 0.0, steering: float = 0.0, speed: float = 0.0) -> Estimate:
     pose = Pose(x=0.0, y=0.0, yaw=yaw)
-    return believed(pose, pose, tractor_steering=steering)
+    return believed(pose, pose, tractor_steering=steering, speed=speed)
 
 
 def beside(error: float, curvature: float = 0.0) -> BodyReference:
@@ -41,7 +42,7 @@ def watched(errors: Iterable[float], steerings: Iterable[float] | None = None) -
     sanity, values = Sanity(), list(errors)
     angles = list(steerings) if steerings is not None else [0.0] * len(values)
     return [
-        sanity.look(measurement(k), estimate(steering=angle), beside(error), beside(0.0))
+        sanity.look(measurement(k), estimate(steering=angle, speed=1.0), beside(error), beside(0.0))
         for k, (error, angle) in enumerate(zip(values, angles, strict=True))
     ]
 
@@ -81,10 +82,29 @@ def test_what_dies_away_or_stays_small_is_no_oscillation(errors: list[float]) ->
     assert min(share for _, share in watched(errors)) == 1.0
 
 
-def test_what_has_oscillated_stays_slow() -> None:
-    swung = [0.3 * value for value in sine(45, 4.0)]
-    seen = watched([*swung, *[0.0] * 200])
-    assert seen[-1] == (0, SanitySettings().swing_share)
+def test_what_has_oscillated_and_calms_down_is_tried_once_more() -> None:
+    settings = SanitySettings()
+    swung, calm = sine(45, 4.0, 0.3), [0.0] * round(2.0 * settings.swing_calm / SAMPLE)
+    shares = [share for _, share in watched([*swung, *calm, *swung, *calm])]
+    first, second = shares.index(settings.swing_share), len(swung) + len(calm)
+    tried = shares.index(1.0, first)
+    assert settings.swing_calm <= SAMPLE * (tried - len(swung)) <= settings.swing_calm + LONGEST_SWING
+    assert set(shares[tried:second]) == {1.0}
+    assert shares[-1] == settings.swing_share
+
+
+def test_what_oscillates_again_before_it_is_calm_stays_slower_still() -> None:
+    settings = SanitySettings()
+    swung, calm = sine(45, 4.0, 0.3), [0.0] * round(0.5 * settings.swing_calm / SAMPLE)
+    assert watched([*swung, *calm, *swung, *calm * 6])[-1] == (0, settings.swing_share**2)
+
+
+def test_a_vehicle_that_stands_shows_no_calm() -> None:
+    sanity, settings = Sanity(), SanitySettings()
+    for k, error in enumerate([*sine(45, 4.0, 0.3), *[0.0] * round(2.0 * settings.swing_calm / SAMPLE)]):
+        speed = 1.0 if k < 45 else 0.0
+        seen = sanity.look(measurement(k, speed), estimate(speed=speed), beside(error), beside(0.0))
+    assert seen == (0, settings.swing_share)
 
 
 @pytest.mark.parametrize("offset", [0.12, -0.12])

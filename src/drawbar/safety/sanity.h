@@ -19,11 +19,12 @@
                                             * not count after that, s */
 #define JUMP_SHARE 0.1                     /* share of what the wheels cover that they may be wrong by */
 #define MOST_SPELLS 2                      /* how often a run may begin to oscillate */
+#define SWING_SPEED 0.1                    /* below which a vehicle shows no calm, m/s */
 
 struct component {
     /* settings, described in safety/sanity.py */
     double fine, coarse_after, coarse_share, coarse_budget, jump;
-    double swing, steering_swing, swing_share;
+    double swing, steering_swing, swing_share, swing_calm;
     struct hitch_watch hitch;
     double wheelbase;                      /* m */
     double position;                       /* standard deviation of a fix whose receiver reports none, m */
@@ -36,7 +37,9 @@ struct component {
     double distance, moved[2];             /* recent, by the wheels; of both points along their bodies, m */
     double observed[2];                    /* part of that distance with fixes of each point, m */
     struct swings errors[2], steering;
-    int32_t swinging, oscillations;        /* it oscillates; how often that has started */
+    int32_t swinging, oscillations;        /* it oscillates; how often that has started, */
+    int32_t slowing;                       /* and how many of these times the vehicle is driven slower for */
+    double calm;                           /* driven since the last swing, s */
     int32_t initialised;
 };
 
@@ -45,6 +48,7 @@ struct component {
     SETTING(component, coarse_share, 0, 1, 0, 0) SETTING(component, coarse_budget, 0, 1, 0, 0)                         \
     SETTING(component, jump, 0, 1, 0, 0)                                                                               \
     SETTING(component, swing, 0, 1, 0, 0) SETTING(component, steering_swing, 0, 1, 0, 0)                               \
+    SETTING(component, swing_calm, 0, 1, 0, 0)                                                                         \
     HITCH_WATCH_FIELDS(component, hitch)                                                                               \
     SETTING(component, swing_share, 0, 1, 0, 0) SETTING(component, wheelbase, 0, 1, 0, 0)                              \
     SETTING(component, position, 0, 1, 0, 0)                                                                           \
@@ -142,6 +146,24 @@ static inline int32_t swings_of(struct component *sanity, const struct drawbar_e
     return errors > steering ? errors : steering;
 }
 
+/* Update with half waves in a row; returns the part of the set speed that may be driven. The speed that oscillated first is tried
+ * again once it is calm: it may have been the way onto the line, or delays that were not known yet. It stays low if it was not. */
+static inline double share_of_swings(struct component *sanity, int32_t swings, double speed, double elapsed)
+{
+    const int begins = swings >= sanity->swings_slow && !sanity->swinging;
+    double share = 1.0;
+
+    sanity->swinging = swings >= sanity->swings_slow;
+    sanity->oscillations += begins;
+    sanity->slowing += begins;
+    sanity->calm = swings > 0 ? 0.0 : fabs(speed) >= SWING_SPEED ? sanity->calm + elapsed : sanity->calm;
+    if (sanity->oscillations == 1 && sanity->calm > sanity->swing_calm)
+        sanity->slowing = 0;
+    for (int32_t i = 0; i < sanity->slowing; ++i)
+        share *= sanity->swing_share;
+    return share;
+}
+
 /* Judge one step, as it was reported and as it was aligned: returns 0 or the status with which the run ends; `share`
  * becomes the part of the set speed that may be driven. departure: see yaw_witness.h, rad. */
 int UNIT(look)(struct component *sanity, const struct drawbar_measurement *reported,
@@ -153,19 +175,15 @@ int UNIT(look)(struct component *sanity, const struct drawbar_measurement *repor
         sanity->last_fine = sanity->last_none = sanity->time = measurement->time;
         sanity->initialised = 1;
     }
-    const double coarse = without_fine(sanity, measurement, estimate);
+    const double coarse = without_fine(sanity, measurement, estimate), elapsed = measurement->time - sanity->time;
     const int backwards = moves_backwards(sanity, measurement, estimate);
     const int jumped = has_jumped(sanity, measurement->time, estimate);
-    const int contradiction = hitch_look(&sanity->hitch, reported->hitch_angle, measurement, estimate, departure,
-                                         measurement->time - sanity->time);
+    const int contradiction = hitch_look(&sanity->hitch, reported->hitch_angle, measurement, estimate, departure, elapsed);
     sanity->time = measurement->time;
     const int32_t swings = swings_of(sanity, estimate, tractor, trailer);
 
-    sanity->oscillations += swings >= sanity->swings_slow && !sanity->swinging;
-    sanity->swinging = swings >= sanity->swings_slow;
-    *share = coarse > sanity->coarse_after ? sanity->coarse_share : 1.0;
-    for (int32_t i = 0; i < sanity->oscillations; ++i) /* it would oscillate again: the speed stays low */
-        *share *= sanity->swing_share;
+    *share = share_of_swings(sanity, swings, estimate->speed, elapsed);
+    *share *= coarse > sanity->coarse_after ? sanity->coarse_share : 1.0;
     if (backwards)
         return DRAWBAR_BACKWARDS;
     if (jumped)

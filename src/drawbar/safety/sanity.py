@@ -42,7 +42,10 @@ class SanitySettings(Settings):
     steering_swing: PositiveAngle = 0.2
     """the same of the front wheels about the path's curvature, rad"""
     swing_share: Share = 0.5
-    """factor on the speed for the rest of the run, each time that it begins to oscillate"""
+    """factor on the speed, each time that it begins to oscillate"""
+    swing_calm: Positive = 30.0
+    """driving without a swing after which the speed is tried once more that was the first to oscillate, s; from the
+    second time on the speed stays low for the rest of the run"""
     swings_slow: Annotated[int, Field(ge=2)] = 3
     """half waves in a row after which the vehicle is driven slower"""
     swings_stop: Annotated[int, Field(ge=2)] = 6
