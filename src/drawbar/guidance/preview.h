@@ -13,7 +13,7 @@
 #include "guidance.h"
 #include "unit.h"
 
-#define JOIN_JERK 0.1                      /* largest change of the lateral acceleration while a line is joined, m/s^3 */
+#define JOIN_JERK 0.2                      /* largest change of the lateral acceleration while a line is joined, m/s^3 */
 #define JOIN_SLOWEST 0.1                   /* speed that a join is laid for at least, m/s */
 #define JOIN_WIDEST 0.5                    /* of the tightest turn's radius: from further beside the line there is no join */
 
