@@ -150,7 +150,7 @@ EXPECTED = {
         "quality": FixQuality.FIXED,
         "satellites": 17,
         "altitude": 42.318,
-        "correction_age": 5.0,
+        "correction_age": 3.5,  # the middle of its class, 2 to 5 s
         "speed": math.hypot(0.045, 0.998),
         "course": math.atan2(0.045, 0.998),
         "east": 0.014 / math.sqrt(2.0),
