@@ -120,7 +120,7 @@ class Ended:
 )
 def test_what_the_processes_could_not_have_is_told_at_the_start(monkeypatch, capsys, said, told):
     monkeypatch.setattr("drawbar.cli.drive._drive", lambda *arguments, **options: False)
-    assert not _run(Ended(said), None, Interrupts(), demonstrates=False, seconds=0.0)
+    assert not _run(Ended(said), None, Interrupts(), demonstrates=True, seconds=0.0)
     shown = capsys.readouterr().out
     assert shown.endswith(told) if len(said) < 2 else told in shown
     assert bool(said) == bool(shown.strip())
