@@ -28,8 +28,8 @@ _SPREAD = math.radians(2.0)
 _NOISE = 0.02
 """least standard deviation of a direction at 1 m/s, rad"""
 _SURE, _SUSPECTED = 4.0, 2.2
-"""standard deviations of the slope; and where the run is stopping as its position is not known well enough, which a
-mirrored steering leads to at slow speed: sound wheels are twice as far from that"""
+"""standard deviations of the slope; and where the run is stopping as its position is not known well enough, or the
+hitch angle contradicts, which a mirrored steering leads to at slow speed: sound wheels are twice as far from that"""
 _LOW, _HIGH = 0.3, 1.6
 """magnitudes of the slope of which the sign counts"""
 _LASTS, _REACHES = 0.4, 0.8
@@ -59,7 +59,7 @@ class MirroredSteering:
     def hear(self, fixes: Fixes, steering: float, *, suspected: bool = False) -> None:
         """Update with an epoch and the measured angle of the front wheels, rad; begin anew without either, or late.
 
-        suspected: the run is stopping as its position is not known well enough.
+        suspected: the run is stopping as its position is not known well enough, or the hitch angle contradicts.
         """
         time, speed, course = seconds(fixes.epoch), fixes.tractor_speed, fixes.tractor_course
         known = speed >= _LEAST_SPEED and math.isfinite(course + steering)

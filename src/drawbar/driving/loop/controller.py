@@ -124,8 +124,8 @@ class Controller:
         self._speeds.hear(fixes)
         forwards = not self._swapped.found  # backwards it turns the other way
         angle = self._gate.tractor_angle if self._gate and forwards else math.nan
-        unsure = self._gate is not None and self._gate.cause == Cause.POSITION_LOST.value
-        self._mirrored.hear(fixes, angle, suspected=unsure)
+        lost = self._gate is not None and self._gate.cause == Cause.POSITION_LOST.value
+        self._mirrored.hear(fixes, angle, suspected=lost or self._status == Status.HITCH)
 
     def feedback(self, measurement: Measurement, now: int) -> CommandMessage:
         """Return the command that answers a measurement; call prepare() once it is out."""
