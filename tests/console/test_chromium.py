@@ -308,6 +308,7 @@ def test_a_page_is_loaded_again_once_its_console_was_started_again(somebody_else
         page.evaluate("window.before = true")
     with console_process(tmp_path, port):
         page.wait_for_function("!window.before && window.socket?.connected")
+        assert page.get_by_text("Prepare").count() > 0
 
 
 def test_a_lost_connection_is_told_in_german_too(drive, somebody_else):

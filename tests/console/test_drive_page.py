@@ -155,13 +155,19 @@ async def test_one_of_two_operators_holds_the_lease_and_both_see_who(stage, brow
     assert stage.desk.lease == one.page._visitor.number
 
 
-@staged
-async def test_control_is_handed_over_by_asking_and_giving(stage, browser):
+async def with_a_wish(stage, browser):
+    """Return an operator who has control, and one who has just asked for it."""
     one = await ready(stage, browser)
     other = await browser().open()
     one.press("1 Prepare")
     stage.run(0.3, one, other)
     other.press("Ask for control")
+    return one, other
+
+
+@staged
+async def test_control_is_handed_over_by_asking_and_giving(stage, browser):
+    one, other = await with_a_wish(stage, browser)
     stage.run(0.3, one, other)
     assert "Operator 2 asks for control" in one.text()
     one.press("Give control")
@@ -175,11 +181,7 @@ async def test_control_is_handed_over_by_asking_and_giving(stage, browser):
 
 @staged
 async def test_whoever_leaves_the_page_no_longer_asks_for_control(stage, browser):
-    one = await ready(stage, browser)
-    other = await browser().open()
-    one.press("1 Prepare")
-    stage.run(0.3, one, other)
-    other.press("Ask for control")
+    one, other = await with_a_wish(stage, browser)
     stage.run(9.0, one)
     assert "Operator 2 asks for control" in one.text(), "a network that is bad for a while"
     stage.run(2.0, one)
@@ -191,11 +193,7 @@ async def test_whoever_leaves_the_page_no_longer_asks_for_control(stage, browser
 
 @staged
 async def test_whoever_logs_out_no_longer_asks_for_control(stage, browser):
-    one = await ready(stage, browser)
-    other = await browser().open()
-    one.press("1 Prepare")
-    stage.run(0.3, one, other)
-    other.press("Ask for control")
+    one, other = await with_a_wish(stage, browser)
     stage.run(0.3, one, other)
     other.page._visitor.is_known = False
     stage.run(0.3, one, other)

@@ -15,8 +15,8 @@
 #define MOTION_LEAST 0.3                   /* distance within it that determines the direction of motion, m */
 #define MOTION_SHARP 0.8                   /* largest share of it, backwards, by one sample, which may be false */
 #define MOTION_SHARE 0.3                   /* share of that distance, backwards, that a point must move */
-#define JUMP_MEMORY 3.0                    /* without a fine position an estimate is corrected by much: for how long a jump does
-                                            * not count after that, s */
+#define JUMP_MEMORY 3.0                    /* after fine positions were missing, large corrections are due: for so long they are
+                                            * no jumps, s */
 #define JUMP_SHARE 0.1                     /* share of what the wheels cover that they may be wrong by */
 #define MOST_SPELLS 2                      /* how often a run may begin to oscillate */
 #define SWING_SPEED 0.1                    /* below which a vehicle shows no calm, m/s */
@@ -103,8 +103,8 @@ static inline int moves_backwards(struct component *sanity, const struct drawbar
         || (sanity->distance > MOTION_LEAST && (has_moved_back(sanity, 0) || has_moved_back(sanity, 1)));
 }
 
-/* Whether a fix is a new fine position; one that is not fine is NaN here. */
-static inline int is_told(double fix, int32_t status)
+/* Whether a fix is a fine position (others are NaN here) and a new one. */
+static inline int is_new(double fix, int32_t status)
 {
     return !isnan(fix) && status != DRAWBAR_FIX_STALE;
 }
@@ -127,7 +127,7 @@ static inline int has_jumped(struct component *sanity, time_stamp time, const st
         && leap(&sanity->bodies[1], &bodies[1], covered) > most;
 
     memcpy(sanity->bodies, bodies, sizeof bodies);
-    if (!is_told(sanity->fixes[0], estimate->tractor_fix) && !is_told(sanity->fixes[2], estimate->trailer_fix))
+    if (!is_new(sanity->fixes[0], estimate->tractor_fix) && !is_new(sanity->fixes[2], estimate->trailer_fix))
         sanity->last_none = time;
     return leapt && time - sanity->last_none > JUMP_MEMORY;
 }
