@@ -10,6 +10,7 @@ instants are monotonic, ns.
 import math
 from collections import deque
 from dataclasses import replace
+from itertools import pairwise
 from statistics import median_low
 
 from drawbar.messages import Fixes, GateState
@@ -23,9 +24,10 @@ _LONGEST_WAIT = 3 / 4
 """for an epoch, of a sample time: then the next sample is near"""
 _AHEAD = 50_000_000
 """by which an epoch may come before its sample, ns"""
-_STEP = 3 / 4
-"""shortest from a sample to the next, of a sample time"""
-_MOVING_STEP = 1 / 4
+_EARLIEST, _LEAST_EARLIEST = 1 / 4, 1 / 20
+"""by which an epoch may come before a sample time is over, of a sample time: half of the time between epochs, but no
+more and no less than these"""
+_MOVING_STEP = 1 / 2
 """the same where the samples move to an epoch with an antenna that the last ones lacked, of a sample time"""
 _KEPT = 300_000_000
 """oldest report of the sensor board that came by itself, ns"""
@@ -44,6 +46,7 @@ class Sampler:
         self._start: int | None = None
         self._last = 0
         self._delays: deque[int] = deque(maxlen=_USUAL)
+        self._epochs: deque[int] = deque(maxlen=_USUAL)
         self._without = [0, 0]  # samples in a row without tractor's and trailer's antenna
         self._gate: GateState | None = None
         self._sensors: Fixes | None = None  # the newest report of the sensor board that came by itself
@@ -63,6 +66,7 @@ class Sampler:
         if _is_of_sensors(fixes):
             self._sensors = fixes
             return None
+        self._epochs.append(fixes.epoch)
         known = (math.isfinite(fixes.tractor_x), not self._has_trailer or math.isfinite(fixes.trailer_x))
         if all(known) or max(self._without) >= _USUAL or not self._delays:  # one alone was held back for the other
             self._delays.append(fixes.time - fixes.epoch)
@@ -72,7 +76,7 @@ class Sampler:
             if not all(known):
                 return None  # nothing begins without all antennas
             self._start = sample
-        elif sample - self._last < self._period * (_MOVING_STEP if moves else _STEP):
+        elif sample - self._last < self._period * (_MOVING_STEP if moves else 1.0 - self._earliest()):
             self.dropped += 1
             return None
         self._last = sample
@@ -85,6 +89,11 @@ class Sampler:
         self._count((False, False))
         sensors = self._sensors
         return self._measured(sensors) if sensors and self._last - sensors.time <= _KEPT else self._without_fix()
+
+    def _earliest(self) -> float:
+        """Return by how much an epoch may come before a sample time is over, of that: the nearest one counts."""
+        interval = min((later - earlier for earlier, later in pairwise(self._epochs)), default=self._period)
+        return max(min(interval / 2 / self._period, _EARLIEST), _LEAST_EARLIEST)
 
     def _count(self, known: tuple[bool, bool]) -> None:
         self._without = [0 if has else lacks + 1 for has, lacks in zip(known, self._without, strict=True)]
