@@ -201,6 +201,24 @@ def test_each_sample_is_nearly_a_sample_time_after_the_last_where_epochs_are_of_
     assert min(later - earlier for earlier, later in pairwise(times)) >= 0.1 - 1e-9
 
 
+@pytest.mark.parametrize("rate", [10, 20, 25, 50])
+@pytest.mark.parametrize("ahead", range(1, 10))
+def test_samples_move_to_the_epochs_of_both_receivers_however_soon_these_come_after_the_last(rate, ahead):
+    """The tractor's receiver is silent for a moment, in which the samples stand beside the instants of both."""
+    step = SECOND // rate
+    sampler, samples = Sampler(0.2), []
+    for k in range(4 * rate):
+        both = (k - ahead) % (rate // 5) == 0 and k >= rate
+        given = {} if both or k == 0 else {"tractor_x": math.nan}
+        while sampler.deadline is not None and sampler.deadline <= SECOND + k * step + DELAY:
+            samples.append(sampler.miss())
+        measured = sampler.take(fixes(SECOND + k * step, **given))
+        samples += [measured] if measured is not None else []
+    assert all(measured.tractor_x == 1.0 for measured in samples[-9:])
+    steps = [later.time - earlier.time for earlier, later in pairwise(samples)]
+    assert 0.1 - 1e-9 <= min(steps) <= max(steps) <= 0.3 + 1e-9
+
+
 @pytest.mark.parametrize("away", range(4))
 def test_samples_stay_with_the_slower_receiver(away):
     """Tractor at 10 Hz, trailer at 5; both fall silent for a second, then continue where they like."""

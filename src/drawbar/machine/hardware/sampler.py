@@ -44,7 +44,7 @@ class Sampler:
         self._period = round(sample_time * 1e9)
         self._wait = min(WAIT, round(_LONGEST_WAIT * self._period))
         self._start: int | None = None
-        self._last = 0
+        self._last = self._due = 0
         self._delays: deque[int] = deque(maxlen=_USUAL)
         self._epochs: deque[int] = deque(maxlen=_USUAL)
         self._without = [0, 0]  # samples in a row without tractor's and trailer's antenna
@@ -76,24 +76,27 @@ class Sampler:
             if not all(known):
                 return None  # nothing begins without all antennas
             self._start = sample
-        elif sample - self._last < self._period * (_MOVING_STEP if moves else 1.0 - self._earliest()):
+        elif sample < (self._last + self._period * _MOVING_STEP if moves else self._due - self._earliest()):
+            if moves and all(known):  # too soon after the last sample: its successor is the next one
+                self._due = sample + self._period
             self.dropped += 1
             return None
-        self._last = sample
+        self._last, self._due = sample, sample + self._period
         self._count(known)
         return self._measured(fixes)
 
     def miss(self) -> Measurement:
         """Return the measurement of the sample that is due, without a fix."""
         self._last += self._period
+        self._due = self._last + self._period
         self._count((False, False))
         sensors = self._sensors
         return self._measured(sensors) if sensors and self._last - sensors.time <= _KEPT else self._without_fix()
 
     def _earliest(self) -> float:
-        """Return by how much an epoch may come before a sample time is over, of that: the nearest one counts."""
+        """Return by how much an epoch may come before the next sample, ns: the nearest one counts."""
         interval = min((later - earlier for earlier, later in pairwise(self._epochs)), default=self._period)
-        return max(min(interval / 2 / self._period, _EARLIEST), _LEAST_EARLIEST)
+        return max(min(interval / 2, self._period * _EARLIEST), self._period * _LEAST_EARLIEST)
 
     def _count(self, known: tuple[bool, bool]) -> None:
         self._without = [0 if has else lacks + 1 for has, lacks in zip(known, self._without, strict=True)]
