@@ -198,7 +198,7 @@ def test_each_sample_is_nearly_a_sample_time_after_the_last_where_epochs_are_of_
                 times.append(sampler.miss().time)
             measured = sampler.take(fixes(epoch, **given))
             times += [measured.time] if measured is not None else []
-    assert min(later - earlier for earlier, later in pairwise(times)) >= 0.1 - 1e-9
+    assert min(later - earlier for earlier, later in pairwise(times)) >= 0.15 - 1e-9
 
 
 @pytest.mark.parametrize("rate", [10, 20, 25, 50])
@@ -216,7 +216,22 @@ def test_samples_move_to_the_epochs_of_both_receivers_however_soon_these_come_af
         samples += [measured] if measured is not None else []
     assert all(measured.tractor_x == 1.0 for measured in samples[-9:])
     steps = [later.time - earlier.time for earlier, later in pairwise(samples)]
-    assert 0.1 - 1e-9 <= min(steps) <= max(steps) <= 0.3 + 1e-9
+    assert 0.15 - 1e-9 <= min(steps) <= max(steps) <= 0.35 + 1e-9
+
+
+@pytest.mark.parametrize("sample_time", [0.1, 0.2, 1.0])
+@pytest.mark.parametrize("share", [0.05 * step for step in range(1, 20)])
+def test_samples_move_to_the_epochs_of_the_only_receiver_that_is_left(sample_time, share):
+    """The trailer's receiver is silent for good, the tractor's for a moment, and then goes on at other instants."""
+    sampler, samples = Sampler(sample_time), []
+    for k in [*range(10), *(k + share for k in range(14, 40))]:
+        epoch = SECOND + round(k * sample_time * SECOND)
+        while sampler.deadline is not None and sampler.deadline <= epoch + DELAY:
+            samples.append(sampler.miss())
+        measured = sampler.take(fixes(epoch, **({"trailer_x": math.nan} if k >= 10 else {})))
+        samples += [measured] if measured is not None else []
+    assert all(measured.tractor_x == 1.0 for measured in samples[-15:])
+    assert min(later.time - earlier.time for earlier, later in pairwise(samples)) >= 0.75 * sample_time - 1e-9
 
 
 @pytest.mark.parametrize("away", range(4))
