@@ -66,6 +66,16 @@ def test_of_frequent_epochs_that_nearest_to_the_next_sample_counts(rate, every):
     assert all(measured.trailer_x == -3.0 for measured in taken)
 
 
+def test_a_sample_without_an_epoch_has_the_speed_of_one_that_came_too_soon_for_a_sample():
+    sampler = Sampler(0.2)
+    sampler.take(fixes(SECOND))
+    assert sampler.take(fixes(SECOND + SECOND // 10, wheel_speed=1.5)) is None
+    measured = sampler.miss()
+    assert measured.speed == 1.5
+    assert math.isnan(measured.tractor_x)
+    assert (measured.tractor_fix_quality, measured.trailer_fix_quality) == (FixQuality.NONE, FixQuality.NONE)
+
+
 def test_an_epoch_that_was_left_out_is_seen_in_the_time():
     sampler = Sampler(0.2)
     sampler.take(fixes(SECOND))

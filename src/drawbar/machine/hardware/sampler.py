@@ -50,7 +50,9 @@ class Sampler:
         self._epochs: deque[int] = deque(maxlen=_USUAL)
         self._without = [0, 0]  # samples in a row without tractor's and trailer's antenna
         self._gate: GateState | None = None
-        self._sensors: Fixes | None = None  # the newest report of the sensor board that came by itself
+        self._sensors: Fixes | None = (
+            None  # the newest report of the sensor board that came by itself, or with no sample
+        )
         self.dropped = 0
 
     @property
@@ -80,6 +82,7 @@ class Sampler:
         elif sample < (self._last + self._period * _MOVING_STEP if moves else self._due - self._earliest()):
             if moves:  # too soon after the last sample: its successor is the next one
                 self._due = sample + self._period
+            self._sensors = _without_antennas(fixes)
             self.dropped += 1
             return None
         self._last, self._due = sample, sample + self._period
@@ -160,6 +163,13 @@ def _is_of_sensors(fixes: Fixes) -> bool:
     """Return whether it is a report of the sensor board that came by itself, and no epoch."""
     places = math.isfinite(fixes.tractor_x) or math.isfinite(fixes.trailer_x)
     return not places and fixes.epoch in (fixes.hitch_angle_time, fixes.wheel_speed_time)
+
+
+def _without_antennas(fixes: Fixes) -> Fixes:
+    """Return what an epoch of no sample says besides its positions: a sample that has none may need the speed."""
+    nan, none = math.nan, FixQuality.NONE
+    still = replace(fixes, tractor_x=nan, tractor_y=nan, trailer_x=nan, trailer_y=nan)
+    return replace(still, tractor_quality=none, trailer_quality=none)
 
 
 def _speed(fixes: Fixes) -> float:
