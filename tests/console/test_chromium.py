@@ -218,6 +218,28 @@ def test_it_engages_and_stops_and_loads_nothing_from_elsewhere(drive, page):
     assert page.troubles == []
 
 
+WITH_MANY_MESSAGES = """() => {
+  const [map, list, stop] = [".map", ".why", ".stop"].map((each) => document.querySelector(each));
+  const sentence = "<li><b>The receivers have no RTK fix for long enough</b><span>Wait under open sky</span></li>";
+  list.querySelector("ol").innerHTML = sentence.repeat(8);
+  const sizes = () => [map.offsetHeight, list.offsetHeight, stop.getBoundingClientRect().bottom];
+  return [sizes(), (list.focus(), sizes())];
+}"""
+"""heights of map and list, and where STOP ends, before and while the list has the focus"""
+
+
+@pytest.mark.parametrize("height", [640, 740])
+def test_many_messages_leave_room_for_the_map_and_the_stops(drive, page, height):
+    page.set_viewport_size({"width": 360, "height": height})
+    page.goto(drive)
+    for each in (".why li", ".chips li"):
+        page.locator(each).first.wait_for()
+    (map_height, short, bottom), (_, whole, bottom_below_whole) = page.evaluate(WITH_MANY_MESSAGES)
+    assert map_height >= 180 or short == 52
+    assert whole > short
+    assert bottom == bottom_below_whole <= height
+
+
 def test_signals_are_plotted_by_their_words_with_their_names_beside(drive, page):
     page.goto(f"{drive}inside")
     page.wait_for_function("[...plots.values()].some(({ rows }) => rows.length > 3)")
