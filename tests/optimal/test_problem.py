@@ -150,6 +150,7 @@ def test_estimation_problem(changes: dict[str, Any], complaint: str) -> None:
         {"lower": -math.inf, "upper": -math.inf},
         {"lower": "0", "upper": 1.0},
         {"lower": 0.0, "upper": 1.0, "linear_penalty": 0.0},
+        {"lower": 0.0, "upper": 1.0, "linear_penalty": -1.0, "quadratic_penalty": 2.0},
         {"lower": 0.0, "upper": 1.0, "linear_penalty": math.nan},
         {"lower": 0.0, "upper": 1.0, "linear_penalty": 1.0, "quadratic_penalty": -1.0},
         {"lower": 0.0, "upper": 1.0, "linear_penalty": 1.0, "quadratic_penalty": math.inf},
