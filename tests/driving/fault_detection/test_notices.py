@@ -45,11 +45,11 @@ class Told:
         """Let epochs pass, five a second; return what is told."""
         for i in range(round(5 * begin), round(5 * end)):
             values = dict.fromkeys((field.name for field in fields(Fixes)), 0) | {"epoch": round(0.2e9 * i) + 10**9}
-            self.notices.hear_fixes(Fixes(**(values | {"tractor_heard": 1, "trailer_heard": 1} | given)))
+            self.notices.receive_fixes(Fixes(**(values | {"tractor_heard": 1, "trailer_heard": 1} | given)))
         return self.step()
 
     def gate(self, state):
-        self.notices.hear(SimpleNamespace(state=state))
+        self.notices.receive_gate(SimpleNamespace(state=state))
 
 
 @pytest.fixture
@@ -147,7 +147,7 @@ def engaged():
 
 
 def notices(rehearsal):
-    return [BY_CODE[code] for code in rehearsal.loop._controller._notices.codes if code]
+    return [BY_CODE[code] for code in rehearsal.loop._controller._faults.notices if code]
 
 
 def test_a_drift_is_told_as_one_after_the_stop_as_well():

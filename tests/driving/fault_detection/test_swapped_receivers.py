@@ -30,7 +30,7 @@ def after(*epochs):
     """Return whether receivers are swapped after epochs."""
     swapped = SwappedReceivers()
     for each in epochs:
-        swapped.hear(each)
+        swapped.receive_fixes(each)
     return swapped.found
 
 

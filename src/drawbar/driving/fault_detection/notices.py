@@ -111,11 +111,11 @@ class Notices:
         codes = [cause.value for cause in self._reported][:MOST]
         return (*codes, *[0] * (MOST - len(codes)))
 
-    def hear(self, state: GateState) -> None:
+    def receive_gate(self, state: GateState) -> None:
         """Take in what the gate does."""
         self._stays = state.state in _KEPT
 
-    def hear_fixes(self, fixes: Fixes) -> None:
+    def receive_fixes(self, fixes: Fixes) -> None:
         """Take in an epoch."""
         time = seconds(fixes.epoch)
         for heard, newest in zip(self._receivers, (fixes.tractor_heard, fixes.trailer_heard), strict=True):
