@@ -8,7 +8,7 @@ import pytest
 from ordinary import measured
 
 from drawbar.config import load_configuration
-from drawbar.driving.fault_detection.fault_exclusion import CONFIRMED
+from drawbar.driving.fault_detection.confirmation import CONFIRMED
 from drawbar.driving.loop.control_loop import ControlLoop
 from drawbar.driving.loop.controller import Controller
 from drawbar.messages import Fixes
