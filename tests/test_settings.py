@@ -1,6 +1,6 @@
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, ClassVar
 
 import pytest
 from pydantic import ValidationError
@@ -45,6 +45,18 @@ REFUSED: dict[str, list[Any]] = {
     "pair": [(1.0, -1e300), (1e-300, 0.0)],
     "table": [{"a": 1.0, "b": 1e300}, {"a": -5e-324}],
 }
+
+
+class Renamed(Settings):
+    former_keys: ClassVar[Mapping[str, str]] = {"size": "length"}
+    length: Positive = 1.0
+
+
+def test_a_former_key_is_read_as_the_present_one_and_written_as_that() -> None:
+    assert Renamed.model_validate({"size": 2.0}).model_dump() == {"length": 2.0}
+    assert Renamed.model_validate({"length": 3.0, "size": 2.0}).length == 2.0  # a change, beside a complete table
+    with pytest.raises(ValidationError, match="size"):
+        Section.model_validate({"size": 2.0})
 
 
 @pytest.mark.parametrize(("key", "value"), [(key, value) for key, values in ALLOWED.items() for value in values])

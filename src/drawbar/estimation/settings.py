@@ -1,7 +1,8 @@
 """The estimator section of a configuration: standard deviations only; weights are derived from them."""
 
 import math
-from typing import Annotated, Literal, Self
+from collections.abc import Mapping
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -272,6 +273,8 @@ class IdealEstimatorSettings(Settings):
 class ActuationSettings(Settings):
     """What is found of the steerings' dead times, lags and rates during the run (docs/theory/identification.md)."""
 
+    former_keys: ClassVar[Mapping[str, str]] = {"odd": "residual"}
+
     identify: bool = False
     """find them, and plan with what was found; else they are what the vehicle section states"""
     guess: Annotated[NonNegative, Field(le=0.8)] = 0.2
@@ -291,7 +294,7 @@ class ActuationSettings(Settings):
     """how many errors in a row say the same"""
     resolution: PositiveAngle = math.radians(0.3)
     """standard deviation of the measured steering angles, of their rounding for one, rad"""
-    odd: PositiveAngle = 0.1
+    residual: PositiveAngle = 0.1
     """error of a steering angle that no dead time and no lag explain, or motion that its sensor does not show: the
     sensor, the actuator or a driver, rad"""
     patience: Positive = 1.0

@@ -232,7 +232,7 @@ def test_the_file_beside_extends_the_users_and_keeps_what_was_found_before(machi
 
 
 def test_dead_time_lag_and_late_fixes_are_found_in_the_log_of_a_run(tmp_path):
-    late = "machine.delays={fix={latency=0.2},told=false}"
+    late = "machine.delays={fix={latency=0.2},reported=false}"
     steps = ["path.radii=[8.0]", "machine.actuators.dead_time=0.3", "machine.attitude.tractor.present=true", late]
     result = CliRunner().invoke(app, ["run", "articulated", "--out", str(tmp_path / "run"), *sets(steps)])
     assert result.exit_code == 0, result.output
