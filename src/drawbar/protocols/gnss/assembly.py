@@ -25,7 +25,7 @@ _MOST = 100
 _FIRST = 3
 """epochs that are ended by time or silence alone, before it is known what to wait for"""
 _LATENCY, _LINE_LATENCY = 0.04, 0.01
-"""of receiver and line where nobody tells: most have 0.01 to 0.08; and of the line alone, s"""
+"""of receiver and line where neither is known: most have 0.01 to 0.08; and of the line alone, s"""
 _NEW_TIME = 5
 """epochs in a row that continue from each other in the past are a receiver that has set its clock"""
 
