@@ -203,7 +203,7 @@ class AttitudeSensorSettings(Settings):
     pitch_bias: Angle = 0.0
     """constant part of the pitch, rad"""
     yaw_rate_noise: NonNegativeAngle = math.radians(0.3)
-    """white part of the yaw rate, standard deviation, rad/s"""
+    """white part of the yaw rate, of which the trailer's is recorded only, standard deviation, rad/s"""
     yaw_rate_bias: Angle = 0.0
     """constant part of the yaw rate, rad/s"""
 
