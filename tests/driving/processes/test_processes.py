@@ -17,10 +17,11 @@ from mcap.stream_reader import StreamReader
 from patience import ENGAGE, PATIENT, watch
 
 from drawbar.config import load_configuration
+from drawbar.configurations import CONFIGURATION_NAME
 from drawbar.driving.evaluation.replay import replay_drive
 from drawbar.driving.operator.front_end import FrontEnd
 from drawbar.driving.processes import drive_processes
-from drawbar.driving.processes.drive_processes import CONFIGURATION_NAME, DriveProcesses
+from drawbar.driving.processes.drive_processes import DriveProcesses
 from drawbar.driving.stand_in.demonstration import with_stand_ins
 from drawbar.messages import SupervisorState
 from drawbar.recording.drive_records import RawBytes, open_drive
