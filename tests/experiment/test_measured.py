@@ -83,7 +83,7 @@ def measured(write_experiment: Write, two_cases: str, short_result) -> MeasuredE
     return measured_of(write_experiment(two_cases + expected), runs, seeds=1)
 
 
-def test_verdicts_and_misses(measured: MeasuredExperiment) -> None:
+def test_a_figure_beyond_what_is_expected_is_a_miss(measured: MeasuredExperiment) -> None:
     assert [verdict.holds for verdict in measured.verdicts()] == [True, False]
     (miss,) = measured.misses()
     assert miss.startswith("slow: trailer all is ")

@@ -249,7 +249,7 @@ def test_fatal_causes_are_faults_everywhere(state, cause):
         (Action.RELEASE, STOPPING, STOPPED, Cause.OPERATOR_RELEASES),
     ],
 )
-def test_the_operators_actions(action, state, after, cause):
+def test_an_operators_action_leads_to_its_state_with_its_cause(action, state, after, cause):
     engagement = brought_to(state)
     engagement.update(100.05, Situation(causes=(), actions=frozenset({action})))
     assert (engagement.state, engagement.cause) == (after, cause)

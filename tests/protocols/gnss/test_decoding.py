@@ -120,7 +120,7 @@ def check(message: Message, name: str, value: Any) -> None:
         assert found(message, kind, field) == expected, name
 
 
-def test_golden_sentences(golden: Callable[[str], Any]) -> None:
+def test_golden_sentences_are_decoded_to_what_they_say(golden: Callable[[str], Any]) -> None:
     sentences = golden("nmea.json")["sentences"]
     assert len(sentences) == 22
     for each in sentences:
@@ -202,7 +202,7 @@ EXPECTED = {
 
 
 @pytest.mark.parametrize("name", EXPECTED)
-def test_golden_frames(golden: Callable[[str], Any], name: str) -> None:
+def test_golden_frames_are_decoded_to_what_they_say(golden: Callable[[str], Any], name: str) -> None:
     message = frames(golden)[name]
     for field, value in EXPECTED[name].items():
         is_number = isinstance(value, float)
