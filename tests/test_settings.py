@@ -73,7 +73,7 @@ def test_what_is_not_is_refused(key: str, value: Any) -> None:
         Section.model_validate({key: value})
 
 
-def test_an_angle_in_degrees_is_told_in_radians() -> None:
+def test_an_angle_in_degrees_is_reported_in_radians() -> None:
     with pytest.raises(ValidationError, match=r"degrees\? 30\.0° = 0\.5236 rad"):
         Section(yaw=30.0)
 
@@ -83,7 +83,7 @@ def test_an_absurd_number_is_told_what_is_allowed() -> None:
         Section(length=1e300)
 
 
-def test_unknown_keys_are_told_beside_the_known_ones() -> None:
+def test_unknown_keys_are_reported_beside_the_known_ones() -> None:
     with pytest.raises(
         ValidationError, match=r"has no key lenght \(did you mean length\?\), colour; its keys are: length, weight"
     ):

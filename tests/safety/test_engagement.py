@@ -304,7 +304,7 @@ def test_arming_holds_for_a_while_and_ends_with_the_state():
 
 
 @pytest.mark.parametrize("state", STEERING)
-def test_whoever_engages_what_is_steered_is_told_so(state):
+def test_whoever_engages_what_is_steered_is_reported_so(state):
     engagement = brought_to(state)
     assert {engagement.answer(100.0, action) for action in (Action.ARM, Action.ENGAGE)} == {Cause.STEERED}
 

@@ -134,7 +134,7 @@ def jumped(drift, when, **given):
     return drift.has_jumped
 
 
-def test_both_antennas_that_jump_and_stay_there_are_told():
+def test_both_antennas_that_jump_and_stay_there_are_reported():
     drift = PositionDrift()
     assert heard(drift, times(5.0)) is None
     assert not jumped(drift, 5.0, aside=(1.0, 1.0))

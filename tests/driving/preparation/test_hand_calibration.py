@@ -139,7 +139,7 @@ def test_what_was_not_driven_is_refused_with_what_to_drive(machine):
     assert not {"front wheels: scale", "tractor: mounting roll"} & set(all_found(machine, nothing))
 
 
-def test_a_drive_far_from_the_line_is_told_with_settings_that_estimate_there(machine, monkeypatch, tmp_path):
+def test_a_drive_far_from_the_line_is_reported_with_settings_that_estimate_there(machine, monkeypatch, tmp_path):
     # a run ends 6 m from the line, where circles soon are, and nothing is estimated any more
     drive = driven(machine)
     lost = replace(drive, x=np.where(drive.times > drive.times[100], math.nan, drive.x))

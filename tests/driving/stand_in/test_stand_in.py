@@ -215,7 +215,7 @@ def heard(look):
         (["--fault", "bus-off"], 1, ["needs devices.isobus, which the configuration does not have"]),
     ],
 )
-def test_which_faults_there_are_is_told(configuration, arguments, code, words):
+def test_which_faults_there_are_is_reported(configuration, arguments, code, words):
     command = [sys.executable, "-m", "drawbar", "stand-in", str(configuration[1]), *arguments]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300.0, check=False)
     said = " ".join((done.stdout + done.stderr).split())
