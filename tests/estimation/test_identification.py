@@ -303,7 +303,7 @@ def test_a_dead_time_found_during_the_run_is_predicted_over_as_one_that_was_stat
     assert repr(one.sent(command)) == repr(other.sent(command))
 
 
-UNTOLD = {
+UNSTATED = {
     "dead time 0.2 s at 2 m/s": ("speed=2.0", "machine.actuators.dead_time=0.2"),
     "dead time 0.4 s": ("machine.actuators.dead_time=0.4",),
     "lag 1 s": ("machine.actuators.lag_factor=3.3333",),
@@ -313,9 +313,9 @@ UNTOLD = {
 }
 
 
-@pytest.mark.parametrize("case", UNTOLD)
+@pytest.mark.parametrize("case", UNSTATED)
 def test_an_unstated_dead_time_is_driven_with_from_the_first_metre(case: str, simulate: Callable) -> None:
-    run = simulate("articulated", "path.radii=[8.0]", "actuation.identify=true", *UNTOLD[case])
+    run = simulate("articulated", "path.radii=[8.0]", "actuation.identify=true", *UNSTATED[case])
     for body, mean in (("tractor", 0.03), ("trailer", 0.032)):
         error = np.abs(run.true_errors(body).error)
         assert error.mean() < mean
