@@ -180,7 +180,7 @@ int UNIT(apply)(struct component *alignment, const struct drawbar_measurement *m
                    aligned);
     const int present[] = {attitude_is_new(&positions->tracks[ALIGNED_TRACTOR], since.now),
                            attitude_is_new(&positions->tracks[ALIGNED_TRAILER], since.now)};
-    return lean_watch_look(&positions->leans, present, since.elapsed);
+    return lean_watch_judge(&positions->leans, present, since.elapsed);
 }
 
 #endif
