@@ -150,6 +150,7 @@ def test_a_wrong_estimation_problem_is_refused(changes: dict[str, Any], complain
         {"lower": -math.inf, "upper": -math.inf},
         {"lower": "0", "upper": 1.0},
         {"lower": 0.0, "upper": 1.0, "linear_penalty": 0.0},
+        {"lower": 0.0, "upper": 1.0, "linear_penalty": -1.0, "quadratic_penalty": 2.0},
         {"lower": 0.0, "upper": 1.0, "linear_penalty": math.nan},
         {"lower": 0.0, "upper": 1.0, "linear_penalty": 1.0, "quadratic_penalty": -1.0},
         {"lower": 0.0, "upper": 1.0, "linear_penalty": 1.0, "quadratic_penalty": math.inf},

@@ -68,6 +68,13 @@ def test_crossed_bounds_are_bad_input(bad: tuple[float, float], program: Quadrat
 
 
 @pytest.mark.usefixtures("problem")
+@pytest.mark.parametrize("prices", [(0.0, 0.0), (-1.0, 5.0), (1.0, -1.0), (np.nan, 1.0)])
+def test_soft_bound_without_a_price_is_bad_input(prices: tuple[float, float], program: QuadraticProgram) -> None:
+    program.array("soft_linear")[3], program.array("soft_quadratic")[3] = prices
+    assert program.solve() == SolverStatus.BAD_INPUT
+
+
+@pytest.mark.usefixtures("problem")
 @pytest.mark.parametrize("index", [-1, 42, 2**31 - 1, -(2**31)])
 def test_bound_on_a_variable_that_is_not_there_is_bad_input(index: int, program: QuadraticProgram) -> None:
     assert program.array("z").size == 34
