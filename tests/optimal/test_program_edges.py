@@ -52,7 +52,7 @@ def test_bounds_that_are_active_with_zero_multiplier(shift: float, problem: Any,
     assert costs[0] == pytest.approx(costs[1], rel=1e-7)
 
 
-def test_every_input_pinned(problem: Any, program: QuadraticProgram) -> None:
+def test_inputs_pinned_by_equal_bounds_stay_there(problem: Any, program: QuadraticProgram) -> None:
     inputs = problem.bound >= (SIZES.stages + 1) * SIZES.states
     program.array("lower")[~inputs], program.array("upper")[~inputs] = -np.inf, np.inf
     program.array("lower")[inputs] = program.array("upper")[inputs] = 0.125

@@ -8,9 +8,9 @@
 #include "kkt.h"
 
 #define FAR_OUT 1e3                        /* times the largest bound: no start lies further out than that */
-#define NEAR 1e-3                          /* of its kind's size, or of the room around it: no start lies nearer to a bound; */
+#define NEAR 1e-3                          /* of its kind's size: no start lies nearer to a bound than that; */
 #define DRAWN 0.1                          /* or than that, where it was drawn in from far out */
-#define FLAT 1e-12                         /* of the largest curvature: as much as none */
+#define FLAT 1e-12                         /* of the largest curvature, of the room around a variable: as much as none */
 #define DAMPING 1e-8                       /* of the curvature, where the cost leaves something undetermined */
 
 /* Curvature of the cost to go along bounded variable i, as factorised. A state without any, such as a bounded output, has that
@@ -192,12 +192,14 @@ static SELDOM void ip_start(struct qp *restrict s, struct interior_point *restri
         curve[kind] = largest(curve[kind], ip_curvature(s, m / 2));
         flat = largest(flat, curve[kind]);
     }
+    for (int j = 0; j < NX + NU; ++j)      /* a kind that stays at zero has no size of its own */
+        size[j] = size[j] > FLAT * room[j] ? size[j] : room[j];
     flat = FLAT * (flat > 0.0 && flat < 1.0 ? flat : 1.0);
     for (int m = 0; m < NSIDES; ++m) {
         const int slot = m % 2 * NLOWER + m / 2, kind = kind_of(s->bound[m / 2]);
         if (ip->exists[slot] == 0.0)
             continue;
-        const double distance = bound_distance(s, s->z, m), least = near * largest(size[kind], room[kind]) + 1e-12;
+        const double distance = bound_distance(s, s->z, m), least = near * size[kind] + 1e-12;
         const double margin = worst[kind] > least ? worst[kind] : least, price = s->soft_linear[m / 2];
         const double curvature = ip_curvature(s, m / 2);
         double lambda;

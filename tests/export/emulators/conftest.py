@@ -15,10 +15,10 @@ import pytest
 from single_layout import SingleLayout
 
 from drawbar.codegen.compiler import FLAGS, find_compiler
-from drawbar.exchange import Layout
 from drawbar.experiment.alteration import InterceptedMachine
 from drawbar.export.targets import Precision
 from drawbar.geometry import Floats
+from drawbar.signal_layout import Layout
 from drawbar.signals import Measurement, StepRecord
 from drawbar.simulation import Simulation
 
