@@ -40,7 +40,7 @@ struct screening {
     struct spike_filter spikes[3];         /* of speed and both steerings */
     double length_error;                   /* mean error of the antennas' distance, m */
     int32_t refused;                       /* both fixes of the last sample lay outside their gates */
-    int32_t lengths;                       /* samples in it */
+    int32_t lengths;                       /* samples in the mean error */
 };
 
 #define SCREENING_FIELDS(type, prefix)                                                                       \
@@ -62,6 +62,15 @@ struct screened {
                                             * wrong as well */
     int32_t restart;                       /* both antennas overrule the estimate: it is to start anew from this
                                             * measurement */
+};
+
+/* Both fixes of a sample, compared with what is expected of them. */
+struct fix_pair {
+    double reported[2];                    /* standard deviation of each, m; NaN: nominal */
+    double innovations[4];                 /* longitudinal and lateral, see antennas.h, m */
+    double length_innovation;              /* of the antennas' distance, m */
+    double widenings[2];                   /* of the gates, m */
+    int both;                              /* both antennas have a fix that may confirm the other */
 };
 
 /* How far the antenna has moved since the receiver first reported exactly this fix, m. */
@@ -95,11 +104,12 @@ static inline void screening_widenings(const struct screening *s, double time, d
         widenings[i] = s->growth * fmin(blind[0], blind[1]) + s->single_growth * blind[i] + turned;
 }
 
-/* Compare both fixes with each other by their innovations (4 values, m). */
-static inline void screening_compare(struct screening *s, double *innovations, const int *outside, double deviation,
+/* Compare both fixes with each other by their measured innovations (4 values, m). */
+static inline void screening_compare(struct screening *s, const double *measured, const int *outside, double deviation,
                                      double widening)
 {
-    const double white = noise_deviation(&s->noise);
+    const double white = noise_deviation(&s->noise), half = 0.5 * s->length_error; /* of the lengths' error, each antenna's */
+    const double innovations[] = {measured[0] - half, measured[1], measured[2] + half, measured[3]};
     const struct suspicion_limits limits = {
         .gate = s->lateral * deviation,
         .shift = s->shift * deviation,
@@ -109,8 +119,6 @@ static inline void screening_compare(struct screening *s, double *innovations, c
         .memory = s->memory,
     };
 
-    innovations[0] -= 0.5 * s->length_error; /* half of the configured lengths' error each */
-    innovations[2] += 0.5 * s->length_error;
     const double difference[] = {innovations[0] - innovations[2], innovations[1] - innovations[3]};
     noise_update(&s->noise, difference, 2.0 * limits.gate, s->long_memory);
     if (s->trust.earned)                   /* an estimate without confirmation cannot suspect an antenna */
@@ -141,26 +149,22 @@ static inline double screening_white(const struct screening *s)
     return fmax(noise_deviation(&s->noise), s->deviation);
 }
 
-/* Test both fixes against their gates and each other.
- *
- * reported: standard deviation of each fix, m, NaN: nominal; both: both have a fix that may confirm the other; deviation:
- * of one coordinate of a nominal fix, with sway, m. */
-static inline void screening_gate(struct screening *s, double time, const double *fixes, const double *expected,
-                                  const double *reported, int both, double deviation, int *outside)
+/* Test both fixes against their gates and each other. deviation: of one coordinate of a nominal fix, with sway, m. */
+static inline void screening_test(struct screening *s, const struct fix_pair *pair, double deviation, int *outside)
 {
-    const double by_speed = s->late * s->manoeuvre.change.speed;
-    double innovations[4], widenings[2], across[2];
+    const double by_speed = s->late * s->manoeuvre.change.speed, *widenings = pair->widenings;
+    const double widening = fmax(widenings[0], widenings[1]);
+    double across[2];
 
-    antenna_innovations(fixes, expected, innovations);
-    screening_widenings(s, time, distance(expected, expected + 2), widenings);
     for (int i = 0; i < 2; ++i) {
-        across[i] = s->lateral * fmax(deviation, reported[i]);
-        const double longitudinal = fmax(s->longitudinal, s->lateral * reported[i]) + widenings[i] + by_speed;
-        outside[i] = !(fabs(innovations[2 * i + 1]) <= across[i] + widenings[i] && fabs(innovations[2 * i]) <= longitudinal);
+        across[i] = s->lateral * fmax(deviation, pair->reported[i]);
+        const double longitudinal = fmax(s->longitudinal, s->lateral * pair->reported[i]) + widenings[i] + by_speed;
+        outside[i] = !(fabs(pair->innovations[2 * i + 1]) <= across[i] + widenings[i]
+                       && fabs(pair->innovations[2 * i]) <= longitudinal);
     }
-    if (both) {
-        screening_narrow(s, innovations, across, fmax(widenings[0], widenings[1]), outside);
-        screening_compare(s, innovations, outside, deviation, fmax(widenings[0], widenings[1]));
+    if (pair->both) {
+        screening_narrow(s, pair->innovations, across, widening, outside);
+        screening_compare(s, pair->innovations, outside, deviation, widening);
     } else {
         s->refused = 0;
         noise_interrupt(&s->noise);
@@ -170,16 +174,12 @@ static inline void screening_gate(struct screening *s, double time, const double
 
 /* Whether the distance of the antennas is the mean one, or at first the configured one. Once they have confirmed the estimate,
  * the direction from one to the other must also be about the expected one. */
-static inline int screening_plausible(const struct screening *s, double time, const double *fixes,
-                                      const double *expected, double length_innovation)
+static inline int screening_plausible(const struct screening *s, const struct fix_pair *pair)
 {
-    double innovations[4], widenings[2];
+    const double turned = s->length + s->lateral * s->deviation + fmax(pair->widenings[0], pair->widenings[1]);
 
-    antenna_innovations(fixes, expected, innovations);
-    screening_widenings(s, time, distance(expected, expected + 2), widenings);
-    const double turned = s->length + s->lateral * s->deviation + fmax(widenings[0], widenings[1]);
-    return fabs(length_innovation - s->length_error) <= (s->lengths ? s->length : s->longitudinal)
-        && (!s->trust.earned || fabs(innovations[1] - innovations[3]) <= turned);
+    return fabs(pair->length_innovation - s->length_error) <= (s->lengths ? s->length : s->longitudinal)
+        && (!s->trust.earned || fabs(pair->innovations[1] - pair->innovations[3]) <= turned);
 }
 
 static inline void screening_learn(struct screening *s, double length_innovation)
@@ -188,12 +188,23 @@ static inline void screening_learn(struct screening *s, double length_innovation
     s->length_error += (length_innovation - s->length_error) / s->lengths;
 }
 
-/* The status of each receiver's fix; returns whether both have one. */
-static inline int screening_receive(struct screening *s, const double *fixes, const double *expected, int32_t *found)
+/* Compare the fixes of a measurement with what is expected of them: x, y of the tractor's antenna and of the trailer's, m.
+ * `found` becomes the status of each. */
+static inline struct fix_pair screening_pair(struct screening *s, const struct drawbar_measurement *measurement,
+                                             const double *expected, int32_t *found)
 {
+    const double fixes[] = {measurement->tractor_x, measurement->tractor_y, measurement->trailer_x,
+                            measurement->trailer_y};
+    struct fix_pair pair = {.reported = {measurement->tractor_fix_deviation, measurement->trailer_fix_deviation}};
+
+    antenna_innovations(fixes, expected, pair.innovations);
+    pair.length_innovation = antenna_length_error(fixes, expected);
+    screening_widenings(s, measurement->time, distance(expected, expected + 2), pair.widenings);
     for (int i = 0; i < 2; ++i)
         found[i] = receiver_fix(&s->receivers[i], fixes + 2 * i, expected + 2 * i, s->repetition);
-    return found[0] == DRAWBAR_FIX_ACCEPTED && found[1] == DRAWBAR_FIX_ACCEPTED;
+    pair.both = found[0] == DRAWBAR_FIX_ACCEPTED && found[1] == DRAWBAR_FIX_ACCEPTED
+        && !(fmax(pair.reported[0], pair.reported[1]) > COARSE * s->deviation);
+    return pair;
 }
 
 /* Reject the fixes that lie outside their gates or are suspect; returns how many. */
@@ -257,27 +268,23 @@ static inline void screening_judge(struct screening *s, const struct drawbar_mea
 {
     screening_spikes(s, measurement, &screened->measurement);
     const struct motion motion = {screened->measurement.speed, yaw_rate};
-    const double fixes[] = {measurement->tractor_x, measurement->tractor_y, measurement->trailer_x,
-                            measurement->trailer_y};
-    const double reported[] = {measurement->tractor_fix_deviation, measurement->trailer_fix_deviation};
-    const int fine = !(fmax(reported[0], reported[1]) > COARSE * s->deviation);
-    const double length_innovation = antenna_length_error(fixes, expected), white = screening_white(s);
+    const double white = screening_white(s);
     const double sway = s->single_growth > 0.0 ? 0.0 : sway_variance(&s->suspicion, white); /* not observable without coupling */
     const int32_t before = s->suspicion.suspect;
     int outside[2];
 
     manoeuvre_update(&s->manoeuvre, &motion, s->settling);
-    const int both = screening_receive(s, fixes, expected, screened->fixes) && fine;
-    screening_gate(s, measurement->time, fixes, expected, reported, both, sqrt(white * white + sway), outside);
+    const struct fix_pair pair = screening_pair(s, measurement, expected, screened->fixes);
+    screening_test(s, &pair, sqrt(white * white + sway), outside);
     const int rejected = screening_reject(s, outside, screened->fixes);
-    const int agreeing = both && screening_plausible(s, measurement->time, fixes, expected, length_innovation);
+    const int agreeing = pair.both && screening_plausible(s, &pair);
     screened->restart = trust_overruled(&s->trust, measurement->time, agreeing, rejected, s->patience);
     screened->exposed = s->suspicion.suspect != before && !screened->restart ? s->suspicion.suspect : NEITHER;
     if (screened->restart) {
         suspicion_forget(&s->suspicion);
         screened->fixes[0] = screened->fixes[1] = DRAWBAR_FIX_ACCEPTED;
-    } else if (both && !rejected) {
-        screening_learn(s, length_innovation);
+    } else if (pair.both && !rejected) {
+        screening_learn(s, pair.length_innovation);
     }
     screening_accept(s, measurement, screened);
     screening_weigh(s, sway, &screened->measurement);

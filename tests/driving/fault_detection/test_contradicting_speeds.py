@@ -32,14 +32,14 @@ def epoch(wheels, ground, time=0.0):
 )
 def test_more_than_slip_is_a_contradiction(wheels, ground, found):
     speeds = ContradictingSpeeds()
-    speeds.hear(epoch(wheels, ground))
+    speeds.receive_fixes(epoch(wheels, ground))
     assert speeds.found is found
 
 
 def test_an_epoch_without_the_antennas_speed_changes_nothing():
     speeds = ContradictingSpeeds()
     for wheels, ground, found in [(0.0, math.nan, False), (0.0, 2.0, True), (2.0, math.nan, True), (2.0, 2.0, False)]:
-        speeds.hear(epoch(wheels, ground))
+        speeds.receive_fixes(epoch(wheels, ground))
         assert speeds.found is found
 
 
@@ -59,7 +59,7 @@ def test_an_epoch_without_the_antennas_speed_changes_nothing():
 def test_wheels_that_stop_at_once_while_no_receiver_tells_a_speed_are_not_believed(speed_at, ground, found):
     speeds = ContradictingSpeeds()
     for tick in range(40):
-        speeds.hear(epoch(speed_at(0.05 * tick), ground, 0.05 * tick))
+        speeds.receive_fixes(epoch(speed_at(0.05 * tick), ground, 0.05 * tick))
     assert speeds.found is found
 
 

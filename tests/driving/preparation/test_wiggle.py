@@ -75,7 +75,7 @@ def test_a_sensor_that_counts_the_other_way_ends_it_as_a_runaway():
     assert farthest < TRAVEL + math.radians(4.0)
 
 
-def test_wheels_that_do_not_move_are_told():
+def test_wheels_that_do_not_move_are_reported():
     run, farthest = tried(HeldWheel())
     assert "does not move" in refusal(run)
     assert farthest == 0.0
@@ -94,13 +94,13 @@ def test_what_happens_meanwhile_ends_it(change, words):
 
 
 @pytest.mark.parametrize(("ends", "told"), [(4.19, False), (4.4, True)])
-def test_a_pause_of_the_computer_is_told_where_it_ended_the_test(ends, told):
+def test_a_pause_of_the_computer_is_reported_where_it_ended_the_test(ends, told):
     run, _ = tried(pause=(4.0, ends))
     assert run.judged().passed is not told
     assert ("This computer had paused for 0.4 s" in run.reason) is told
 
 
-def test_a_motor_that_is_too_slow_is_told():
+def test_a_motor_that_is_too_slow_is_reported():
     run, _ = tried(MotorWheel(rate=math.radians(25.0)))
     assert "delay" in refusal(run)
 

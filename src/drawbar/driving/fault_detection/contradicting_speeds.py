@@ -28,7 +28,7 @@ class ContradictingSpeeds:
         """they contradict each other, or the wheels what they reported before"""
         self._wheels: deque[tuple[float, float]] = deque()  # s, m/s
 
-    def hear(self, fixes: Fixes) -> None:
+    def receive_fixes(self, fixes: Fixes) -> None:
         """Update with an epoch, or a report of the wheels alone; without the antenna's speed nothing is cleared."""
         wheels, time = abs(fixes.wheel_speed), seconds(fixes.wheel_speed_time)
         if math.isfinite(fixes.tractor_speed):
