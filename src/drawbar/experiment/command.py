@@ -50,7 +50,7 @@ def _conduct(console: Console, client: Client, experiment: Experiment, seeds: in
         console.print(f"{experiment.folder.name}: {case} is left out: {reason}", soft_wrap=True)
     with RunsProgress(console, experiment.folder.name) as progress:
         runs = measure(client, experiment, seeds, progress)
-    figures = ByCase[list[Figures]]()
+    figures = ByCase[Sequence[Figures]]()
     for case, each in runs.items():
         with failures_told(experiment.folder, repr(case)):
             figures[case] = _figures(analysis, each, counts[case])
