@@ -153,8 +153,7 @@ static inline void align_fix(struct position_alignment *positions, int body, con
     const double reported[] = {fix[0], fix[1]};
     double roll = 0.0, pitch = 0.0, arm[2] = {0.0, 0.0};   /* no mast: no arm */
 
-    const struct drawbar_pose then = {at_age(since, age, last->x, now->x), at_age(since, age, last->y, now->y),
-                                      at_age(since, age, last->yaw, now->yaw)};
+    const struct drawbar_pose then = pose_at_age(since, age, last, now);
     if (!mast_is_none(mast))
         lean(positions, body, since, age, &then, &roll, &pitch);
     if (isnan(age)) {
