@@ -16,6 +16,8 @@
 #include "sway.h"
 #include "trust.h"
 
+#define PAIR_LASTS 0.9                     /* for so long after two new fixes samples without both say nothing: receivers may report
+                                            * less often than samples are taken, s */
 #define COARSE 3.0                         /* nominal standard deviations; a fix beyond neither confirms nor suspects another */
 
 /* State of one receiver. */
@@ -39,7 +41,8 @@ struct screening {
     struct manoeuvre manoeuvre;
     struct spike_filter spikes[3];         /* of speed and both steerings */
     double length_error;                   /* mean error of the antennas' distance, m */
-    int32_t refused;                       /* both fixes of the last sample lay outside their gates */
+    time_stamp paired;                     /* when both receivers last had a new fix */
+    int32_t refused;                       /* both fixes lay outside their gates then */
     int32_t lengths;                       /* samples in it */
 };
 
@@ -141,6 +144,12 @@ static inline double screening_white(const struct screening *s)
     return fmax(noise_deviation(&s->noise), s->deviation);
 }
 
+/* Whether a sample without two new fixes is one between those of slower receivers. */
+static inline int screening_waits(const struct screening *s, double time)
+{
+    return time - s->paired < PAIR_LASTS;
+}
+
 /* Test both fixes against their gates and each other.
  *
  * reported: standard deviation of each fix, m, NaN: nominal; both: both have a fix that may confirm the other; deviation:
@@ -159,9 +168,10 @@ static inline void screening_gate(struct screening *s, double time, const double
         outside[i] = !(fabs(innovations[2 * i + 1]) <= across[i] + widenings[i] && fabs(innovations[2 * i]) <= longitudinal);
     }
     if (both) {
+        s->paired = time;
         screening_narrow(s, innovations, across, fmax(widenings[0], widenings[1]), outside);
         screening_compare(s, innovations, outside, deviation, fmax(widenings[0], widenings[1]));
-    } else {
+    } else if (!screening_waits(s, time)) {
         s->refused = 0;
         noise_interrupt(&s->noise);
         suspicion_forget(&s->suspicion);
@@ -271,7 +281,8 @@ static inline void screening_judge(struct screening *s, const struct drawbar_mea
     screening_gate(s, measurement->time, fixes, expected, reported, both, sqrt(white * white + sway), outside);
     const int rejected = screening_reject(s, outside, screened->fixes);
     const int agreeing = both && screening_plausible(s, measurement->time, fixes, expected, length_innovation);
-    screened->restart = trust_overruled(&s->trust, measurement->time, agreeing, rejected, s->patience);
+    screened->restart = (both || !screening_waits(s, measurement->time))
+        && trust_overruled(&s->trust, measurement->time, agreeing, rejected, s->patience);
     screened->exposed = s->suspicion.suspect != before && !screened->restart ? s->suspicion.suspect : NEITHER;
     if (screened->restart) {
         suspicion_forget(&s->suspicion);
