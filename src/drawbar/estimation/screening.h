@@ -18,12 +18,14 @@
 
 #define PAIR_LASTS 0.9                     /* for so long after two new fixes samples without both say nothing: receivers may report
                                             * less often than samples are taken, s */
+#define PAIR_WAIT 0.3                      /* for so long a fix waits for the other antenna's, s */
 #define COARSE 3.0                         /* nominal standard deviations; a fix beyond neither confirms nor suspects another */
 
 /* State of one receiver. */
 struct receiver {
     double fix[2], expected[2];            /* the newest fix; where the antenna was expected when it was first reported, m */
     time_stamp accepted;                   /* of the last accepted fix that was not coarse */
+    time_stamp waiting;                    /* since when the newest one, not coarse, waits to be compared with the other antenna's */
     int32_t reported, was_accepted;        /* has it ever reported a fix; has one been accepted? */
 };
 
@@ -198,25 +200,52 @@ static inline void screening_learn(struct screening *s, double length_innovation
     s->length_error += (length_innovation - s->length_error) / s->lengths;
 }
 
-/* The status of each receiver's fix; returns whether both have one. */
-static inline int screening_receive(struct screening *s, const double *fixes, const double *expected, int32_t *found)
+/* The status of each receiver's fix; returns whether both have one that was not compared yet: receivers may report in turns.
+ * Both are then in `fixes`, the older one moved along with its antenna. reported: as in screening_gate. */
+static inline int screening_receive(struct screening *s, double time, const double *expected, const double *reported,
+                                    double *fixes, int32_t *found)
 {
-    for (int i = 0; i < 2; ++i)
-        found[i] = receiver_fix(&s->receivers[i], fixes + 2 * i, expected + 2 * i, s->repetition);
-    return found[0] == DRAWBAR_FIX_ACCEPTED && found[1] == DRAWBAR_FIX_ACCEPTED;
+    int waiting = 0;
+
+    for (int i = 0; i < 2; ++i) {
+        struct receiver *receiver = &s->receivers[i];
+        found[i] = receiver_fix(receiver, fixes + 2 * i, expected + 2 * i, s->repetition);
+        if (found[i] == DRAWBAR_FIX_ACCEPTED)
+            receiver->waiting = reported[i] > COARSE * s->deviation ? -(double)INFINITY : time;
+        waiting += receiver->reported && time - receiver->waiting < PAIR_WAIT;
+    }
+    if (waiting < 2)
+        return 0;
+    for (int i = 0; i < 2; ++i) {
+        struct receiver *receiver = &s->receivers[i];
+        receiver->waiting = -(double)INFINITY;
+        for (int j = 0; j < 2 && found[i] != DRAWBAR_FIX_ACCEPTED; ++j)
+            fixes[2 * i + j] = expected[2 * i + j] + (receiver->fix[j] - receiver->expected[j]);
+    }
+    return 1;
 }
 
-/* Reject the fixes that lie outside their gates or are suspect; returns how many. */
-static inline int screening_reject(const struct screening *s, const int *outside, int32_t *found)
+/* Reject the fixes that lie outside their gates or are suspect. */
+static inline void screening_reject(const struct screening *s, const int *outside, int32_t *found)
 {
-    int rejected = 0;
-
     for (int i = 0; i < 2; ++i)
-        if (found[i] == DRAWBAR_FIX_ACCEPTED && (outside[i] || s->suspicion.suspect == TRACTOR_ANTENNA + i)) {
+        if (found[i] == DRAWBAR_FIX_ACCEPTED && (outside[i] || s->suspicion.suspect == TRACTOR_ANTENNA + i))
             found[i] = DRAWBAR_FIX_REJECTED;
-            ++rejected;
-        }
-    return rejected;
+}
+
+/* Put both fixes into a measurement. */
+static inline void screening_place(const double *fixes, struct drawbar_measurement *measurement)
+{
+    measurement->tractor_x = fixes[0];
+    measurement->tractor_y = fixes[1];
+    measurement->trailer_x = fixes[2];
+    measurement->trailer_y = fixes[3];
+}
+
+/* How many of two fixes lie outside their gates or are suspect. */
+static inline int screening_refused(const struct screening *s, const int *outside)
+{
+    return (outside[0] || s->suspicion.suspect == TRACTOR_ANTENNA) + (outside[1] || s->suspicion.suspect == TRAILER_ANTENNA);
 }
 
 /* Start a screened measurement: of speed and steering angles single outliers are masked. */
@@ -267,27 +296,27 @@ static inline void screening_judge(struct screening *s, const struct drawbar_mea
 {
     screening_spikes(s, measurement, &screened->measurement);
     const struct motion motion = {screened->measurement.speed, yaw_rate};
-    const double fixes[] = {measurement->tractor_x, measurement->tractor_y, measurement->trailer_x,
-                            measurement->trailer_y};
+    double fixes[] = {measurement->tractor_x, measurement->tractor_y, measurement->trailer_x, measurement->trailer_y};
     const double reported[] = {measurement->tractor_fix_deviation, measurement->trailer_fix_deviation};
-    const int fine = !(fmax(reported[0], reported[1]) > COARSE * s->deviation);
+    const int both = screening_receive(s, measurement->time, expected, reported, fixes, screened->fixes);
     const double length_innovation = antenna_length_error(fixes, expected), white = screening_white(s);
     const double sway = s->single_growth > 0.0 ? 0.0 : sway_variance(&s->suspicion, white); /* not observable without coupling */
     const int32_t before = s->suspicion.suspect;
     int outside[2];
 
     manoeuvre_update(&s->manoeuvre, &motion, s->settling);
-    const int both = screening_receive(s, fixes, expected, screened->fixes) && fine;
     screening_gate(s, measurement->time, fixes, expected, reported, both, sqrt(white * white + sway), outside);
-    const int rejected = screening_reject(s, outside, screened->fixes);
+    screening_reject(s, outside, screened->fixes);
+    const int refused = screening_refused(s, outside);
     const int agreeing = both && screening_plausible(s, measurement->time, fixes, expected, length_innovation);
     screened->restart = (both || !screening_waits(s, measurement->time))
-        && trust_overruled(&s->trust, measurement->time, agreeing, rejected, s->patience);
+        && trust_overruled(&s->trust, measurement->time, agreeing, refused, s->patience);
     screened->exposed = s->suspicion.suspect != before && !screened->restart ? s->suspicion.suspect : NEITHER;
     if (screened->restart) {
         suspicion_forget(&s->suspicion);
         screened->fixes[0] = screened->fixes[1] = DRAWBAR_FIX_ACCEPTED;
-    } else if (both && !rejected) {
+        screening_place(fixes, &screened->measurement);
+    } else if (both && !refused) {
         screening_learn(s, length_innovation);
     }
     screening_accept(s, measurement, screened);
@@ -316,6 +345,18 @@ static inline void screening_hitch(const struct screening *s, double expected, s
 {
     if (!(fabs(wrapped(screened->measurement.hitch_angle - expected)) <= s->hitch))
         screened->measurement.hitch_angle = (double)NAN;
+}
+
+/* The measurement, as reported, from which an estimate that both antennas overrule starts anew. */
+static inline struct drawbar_measurement screened_anew(const struct screened *screened,
+                                                       const struct drawbar_measurement *measurement)
+{
+    const struct drawbar_measurement *both = &screened->measurement;
+    const double fixes[] = {both->tractor_x, both->tractor_y, both->trailer_x, both->trailer_y};
+    struct drawbar_measurement anew = *measurement;
+
+    screening_place(fixes, &anew);
+    return anew;
 }
 
 /* Write the statuses of the fixes into an estimate. */
