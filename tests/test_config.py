@@ -190,7 +190,7 @@ def test_an_attitude_sensor_is_not_mounted_on_its_side(key: str) -> None:
     assert f"vehicle.masts.trailer.{key} = -1.5" in refusal("articulated", f"vehicle.masts.trailer.{key}=-1.5")
 
 
-def test_all_wrong_values_are_told_at_once() -> None:
+def test_all_wrong_values_are_reported_at_once() -> None:
     message = refusal("articulated", "vehicle.wheelbase=-1", "speed=fast", "sensors.speed=nan")
     assert "3 wrong value(s)" in message
     for key in ("vehicle.wheelbase", "speed", "sensors.speed"):
@@ -247,7 +247,7 @@ def test_a_file_that_is_no_toml_is_refused(write: Write, content: str | bytes) -
     assert refusal(file).startswith(file)
 
 
-def test_what_is_wrong_with_text_of_windows_is_told_with_what_to_do(write: Write) -> None:
+def test_what_is_wrong_with_text_of_windows_is_reported_with_what_to_do(write: Write) -> None:
     file = write('name = "a"\n[path]\nfile = "C:\\Users\\Jo\\field"\n')
     assert "at line 3" in refusal(file)
     assert "write the path with / or in single quotes" in refusal(file)
@@ -376,7 +376,7 @@ def test_a_base_that_is_none_is_refused(write: Write, base: str) -> None:
     assert ", ".join(shipped_names()) in refusal(write(f'extends = {base}\nname = "mine"\n'))
 
 
-def test_a_base_that_is_none_is_told_with_the_file_that_names_it(write: Write) -> None:
+def test_a_base_that_is_none_is_reported_with_the_file_that_names_it(write: Write) -> None:
     assert "mine.toml: extends = 'articulatd': is neither" in refusal(write('extends = "articulatd"\n'))
     assert "mine.toml: extends = '': is neither" in refusal(write('extends = ""\n'))
 

@@ -96,6 +96,19 @@ def test_every_file_that_is_named_exists(document: str, present: set[str]) -> No
     assert not missing, f"{document} names {sorted(missing)}"
 
 
+@pytest.mark.parametrize("document", DOCUMENTS)
+def test_every_name_beside_a_source_file_stands_in_it(document: str) -> None:
+    beside = re.findall(r"`([\w./]+\.(?:h|py))`\s+\(((?:`\w+`(?:,\s+)?)+)\)", text_of(document))
+    sources = {file: [path.read_text("utf-8") for path in ROOT.rglob(f"src/**/{file}")] for file, _ in beside}
+    missing = [
+        (file, name)
+        for file, names in beside
+        for name in re.findall(r"\w+", names)
+        if not any(re.search(rf"\b{name}\b", source) for source in sources[file])
+    ]
+    assert not missing, f"{document} names {missing}"
+
+
 def test_the_index_lists_every_chapter() -> None:
     chapters = {path.name for path in (ROOT / "docs" / "theory").glob("*.md")} - {"README.md"}
     assert set(links(text_of("docs/theory/README.md"))) >= chapters

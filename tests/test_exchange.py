@@ -18,7 +18,8 @@ from drawbar.codegen.cache import runtime_sources
 from drawbar.control.settings import Coupling
 from drawbar.control.subsystem import coupling_settings
 from drawbar.errors import SignalError
-from drawbar.exchange import Layout, headers
+from drawbar.exchange import headers
+from drawbar.signal_layout import Layout
 from drawbar.signals import (
     BodySteering,
     Command,

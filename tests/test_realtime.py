@@ -87,7 +87,7 @@ def test_without_a_priority_the_scheduling_stays():
     assert in_a_child(code)[:2] == ["False", "True"]
 
 
-def test_what_the_system_forbids_is_told_with_what_to_do(monkeypatch):
+def test_what_the_system_forbids_is_reported_with_what_to_do(monkeypatch):
     def forbidden(*args):
         raise PermissionError(1, "Operation not permitted")
 
@@ -163,7 +163,7 @@ def heard(listener):
             return found
 
 
-def test_the_manager_hears_what_is_told(manager):
+def test_the_manager_hears_what_is_reported(manager):
     notifier = Notifier()
     notifier.tell("READY=1", "STATUS=STANDBY")
     assert heard(manager) == [b"READY=1\nSTATUS=STANDBY"]

@@ -51,7 +51,7 @@ def test_every_number_is_the_recorded_one(recorded, name, changes):
     assert again.differences == ()
 
 
-def test_the_first_number_that_differs_is_told(recorded):
+def test_the_first_number_that_differs_is_reported(recorded):
     log = recorded("articulated")
     touched = list(log.records)
     estimate = touched[40].estimate

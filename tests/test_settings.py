@@ -1,6 +1,6 @@
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, ClassVar
 
 import pytest
 from pydantic import ValidationError
@@ -47,6 +47,18 @@ REFUSED: dict[str, list[Any]] = {
 }
 
 
+class Renamed(Settings):
+    former_keys: ClassVar[Mapping[str, str]] = {"size": "length"}
+    length: Positive = 1.0
+
+
+def test_a_former_key_is_read_as_the_present_one_and_written_as_that() -> None:
+    assert Renamed.model_validate({"size": 2.0}).model_dump() == {"length": 2.0}
+    assert Renamed.model_validate({"length": 3.0, "size": 2.0}).length == 2.0  # a change, beside a complete table
+    with pytest.raises(ValidationError, match="size"):
+        Section.model_validate({"size": 2.0})
+
+
 @pytest.mark.parametrize(("key", "value"), [(key, value) for key, values in ALLOWED.items() for value in values])
 def test_what_is_in_range_is_taken_as_it_is(key: str, value: Any) -> None:
     assert getattr(Section.model_validate({key: value}), key) == value
@@ -61,7 +73,7 @@ def test_what_is_not_is_refused(key: str, value: Any) -> None:
         Section.model_validate({key: value})
 
 
-def test_an_angle_in_degrees_is_told_in_radians() -> None:
+def test_an_angle_in_degrees_is_reported_in_radians() -> None:
     with pytest.raises(ValidationError, match=r"degrees\? 30\.0° = 0\.5236 rad"):
         Section(yaw=30.0)
 
@@ -71,7 +83,7 @@ def test_an_absurd_number_is_told_what_is_allowed() -> None:
         Section(length=1e300)
 
 
-def test_unknown_keys_are_told_beside_the_known_ones() -> None:
+def test_unknown_keys_are_reported_beside_the_known_ones() -> None:
     with pytest.raises(
         ValidationError, match=r"has no key lenght \(did you mean length\?\), colour; its keys are: length, weight"
     ):

@@ -6,7 +6,7 @@ from importlib import import_module
 import pytest
 
 from drawbar.codegen.cache import runtime_sources
-from drawbar.driving.fault_detection import fault_exclusion
+from drawbar.driving.fault_detection import stuck_hitch_sensor
 
 DETECTION = "drawbar.driving.fault_detection"
 SHARED = [
@@ -27,9 +27,9 @@ SHARED = [
             ("fault_exclusion", "_CLIP", "hitch_watch.h", "HITCH_CLIP"),
             ("fault_exclusion", "_PRIOR", "hitch_watch.h", "HITCH_PRIOR"),
             ("fault_exclusion", "_PRIOR_TIME", "hitch_watch.h", "HITCH_PRIOR_TIME"),
-            ("fault_exclusion", "_TURNED", "hitch_watch.h", "HITCH_TURNED"),
-            ("fault_exclusion", "_FINE", "frozen_signal.h", "FROZEN_FINE"),
-            ("fault_exclusion", "_SAMPLES", "frozen_signal.h", "FROZEN_SAMPLES"),
+            ("stuck_hitch_sensor", "_TURNED", "hitch_watch.h", "HITCH_TURNED"),
+            ("stuck_hitch_sensor", "_FINE", "frozen_signal.h", "FROZEN_FINE"),
+            ("stuck_hitch_sensor", "_SAMPLES", "frozen_signal.h", "FROZEN_SAMPLES"),
             ("running_rms", "TIME_CONSTANT", "hitch_watch.h", "HITCH_BASELINE"),
             ("running_rms", "MOVES", "hitch_watch.h", "HITCH_SPEED"),
             ("running_rms", "MOVES", "frozen_signal.h", "FROZEN_SPEED"),
@@ -51,4 +51,4 @@ def test_a_number_of_both_languages_is_the_same_in_both(module, name, header, ma
 
 
 def test_a_stuck_hitch_sensor_is_excluded_a_sample_before_the_control_step_ends_its_run():
-    assert macro_value("frozen_signal.h", "FROZEN_MARGIN") == fault_exclusion._MARGIN + 1
+    assert macro_value("frozen_signal.h", "FROZEN_MARGIN") == stuck_hitch_sensor._MARGIN + 1

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 GRAVITY = 9.81
-"""m/s²; vehicle/side_slip.h has it in C"""
+"""m/s²; geometry.h has it in C"""
 
 _AXIS, _FLATTENING = 6378137.0, 1.0 / 298.257223563
 """of the ellipsoid of WGS84: equatorial radius, m, and flattening"""

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, field_validator, model_validator
 
@@ -17,12 +17,17 @@ class Settings(BaseModel):
     """A frozen section of a configuration: unknown keys, missing keys, NaN, infinity, absurd numbers are refused."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+    former_keys: ClassVar[Mapping[str, str]] = {}
+    """what keys are called now that older logs and configurations hold by another name"""
 
     @model_validator(mode="before")
     @classmethod
     def _only_known_keys(cls, data: Any) -> Any:
-        """Refuse unknown keys before `extra` does, to say which ones there are."""
-        unknown = [key for key in data if key not in cls.model_fields] if isinstance(data, dict) else []
+        """Refuse unknown keys before `extra` does, to say which ones there are; former ones get their present name."""
+        if not isinstance(data, dict):
+            return data
+        data = {cls.former_keys.get(key, key): value for key, value in data.items()}
+        unknown = [key for key in data if key not in cls.model_fields]
         if unknown:
             named = ", ".join(f"{key}{meant(key, cls.model_fields)}" for key in unknown)
             raise ValueError(f"has no key {named}; its keys are: {', '.join(cls.model_fields)}")

@@ -14,7 +14,7 @@ from drawbar.benchmark.tables import bounds_table, growth_table, race_growth_tab
 FOUR = {"median", "mean", "p99", "max"}
 
 
-def test_microseconds() -> None:
+def test_figures_of_times_are_their_median_mean_percentile_and_largest() -> None:
     times = np.append(np.arange(1, 100), 200) * 1e-6
     assert microseconds(times) == pytest.approx({"median": 50.5, "mean": 51.5, "p99": 100.01, "max": 200.0})
 

@@ -53,7 +53,7 @@ def test_a_console_joins_no_drive_that_was_killed(stale):
 
 
 @pytest.mark.parametrize("option", [["--console", "--port"], ["--live", "--live-port"]])
-def test_a_port_that_is_taken_is_told_before_anything_starts(taken, tmp_path, option):
+def test_a_port_that_is_taken_is_reported_before_anything_starts(taken, tmp_path, option):
     if "--console" in option:
         pytest.importorskip("nicegui", reason="the extra `console` is not installed")
     said = refusal("drive", "--out", tmp_path / "run", *option, taken)

@@ -85,7 +85,7 @@ def test_a_terminal_that_is_gone_ends_a_drive_though_its_signal_is_ignored(proce
     assert processes.front.closed
 
 
-def test_output_that_fails_while_the_terminal_is_there_is_told(processes):
+def test_output_that_fails_while_the_terminal_is_there_is_reported(processes):
     with pytest.raises(OSError, match="cannot be written to"):
         _drive(processes, Interrupts(), demonstrates=False, seconds=1.0)
     assert processes.front.closed
@@ -118,7 +118,7 @@ class Ended:
         (["gate: not scheduled", "receivers: not", "recorder: not"], "gate: not scheduled (2 more in messages.txt"),
     ],
 )
-def test_what_the_processes_could_not_have_is_told_at_the_start(monkeypatch, capsys, said, told):
+def test_what_the_processes_could_not_have_is_reported_at_the_start(monkeypatch, capsys, said, told):
     monkeypatch.setattr("drawbar.cli.drive._drive", lambda *arguments, **options: False)
     assert not _run(Ended(said), None, Interrupts(), demonstrates=True, seconds=0.0)
     shown = capsys.readouterr().out
@@ -126,13 +126,13 @@ def test_what_the_processes_could_not_have_is_told_at_the_start(monkeypatch, cap
     assert bool(said) == bool(shown.strip())
 
 
-def test_a_recorder_that_could_not_write_all_is_told(monkeypatch, capsys):
+def test_a_recorder_that_could_not_write_all_is_reported(monkeypatch, capsys):
     monkeypatch.setattr("drawbar.cli.drive._drive", lambda *arguments, **options: False)
     assert not _run(Ended([], killed=["recorder"]), None, Interrupts(), demonstrates=False, seconds=0.0)
     assert "the end of the drive is lost" in capsys.readouterr().out
 
 
-def test_a_run_whose_folder_went_away_is_told(tmp_path):
+def test_a_run_whose_folder_went_away_is_reported(tmp_path):
     with pytest.raises(
         StorageError, match="not there any more: the folder was moved or removed, or its disk unmounted"
     ):

@@ -141,7 +141,7 @@ def test_a_recorded_field_names_its_lines(drawbar: Drawbar, recorded_field: Any)
 
 
 @pytest.mark.parametrize("chosen", ["/nonexistent/cc", ""])
-def test_no_compiler_is_told(tmp_path: Path, chosen: str) -> None:
+def test_no_compiler_is_reported(tmp_path: Path, chosen: str) -> None:
     hidden = "import sys; sys.modules['ziglang'] = None; import importlib.util as u; f = u.find_spec; "
     hidden += "u.find_spec = lambda name, *rest: None if name == 'ziglang' else f(name, *rest); "
     environment = {"PATH": "", "CC": chosen, "DRAWBAR_CACHE": str(tmp_path / "cache")}

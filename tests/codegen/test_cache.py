@@ -73,7 +73,7 @@ def test_changed_content_is_compiled_again(compilations: list[Any], monkeypatch:
 
 
 @pytest.mark.usefixtures("own_cache")
-def test_progress_of_several_units_is_told() -> None:
+def test_progress_of_several_units_is_reported() -> None:
     units = {f"unit{number}.c": f"int answer{number}(void) {{ return {number}; }}\n" for number in range(3)}
     told: list[tuple[int, int]] = []
     with cache.watch_compilation(lambda *of: told.append(of)):

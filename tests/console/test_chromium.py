@@ -311,7 +311,7 @@ def test_a_page_is_loaded_again_once_its_console_was_started_again(somebody_else
         assert page.get_by_text("Prepare").count() > 0
 
 
-def test_a_lost_connection_is_told_in_german_too(drive, somebody_else):
+def test_a_lost_connection_is_reported_in_german_too(drive, somebody_else):
     page = _page(somebody_else)
     page.goto(f"{drive}language/de")
     page.goto(f"{drive}fields")

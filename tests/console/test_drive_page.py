@@ -69,7 +69,7 @@ async def test_what_stands_against_engaging_is_listed_with_what_to_do(stage, bro
 
 
 @staged
-async def test_a_refusal_is_told_with_its_cause(stage, browser):
+async def test_a_refusal_is_reported_with_its_cause(stage, browser):
     one = await ready(stage, browser)
     stage.link.ask(one.page._visitor, Action.ENGAGE)
     stage.run(0.1, one)

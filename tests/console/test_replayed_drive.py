@@ -7,8 +7,9 @@ from console_hand import Hand, in_state
 from patience import PATIENT
 
 from drawbar.config import load_configuration
+from drawbar.configurations import CONFIGURATION_NAME
 from drawbar.driving.evaluation.replay import replay_drive
-from drawbar.driving.processes.drive_processes import CONFIGURATION_NAME, DriveProcesses
+from drawbar.driving.processes.drive_processes import DriveProcesses
 from drawbar.driving.stand_in.demonstration import with_stand_ins
 from drawbar.messages import Action, ControllerState, GateState, SupervisorState
 from drawbar.recording.drive_records import open_drive

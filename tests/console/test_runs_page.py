@@ -135,7 +135,7 @@ def test_three_hundred_runs_are_listed_a_few_at_a_time(runs):
     assert "earlier-299" in before
 
 
-def test_a_run_that_somebody_else_deletes_is_told_and_goes_from_the_list(runs):
+def test_a_run_that_somebody_else_deletes_is_reported_and_goes_from_the_list(runs):
     async def test(one):
         (run,) = (each for each in _listed(runs) if each.name == "second")
         with one.user.client:
@@ -237,7 +237,7 @@ def drive_log(tmp_path):
 
 
 @pytest.mark.parametrize("language", ["en", "de"])
-def test_events_are_told_in_plain_words(drive_log, language):
+def test_events_are_reported_in_plain_words(drive_log, language):
     words = Words(language)
     told = [event.text for event in run_events(drive_log, words)]
     assert words("ESTOP") + ". " + words("because", cause=words.cause(Cause.EMERGENCY)[0]) in told
@@ -267,7 +267,7 @@ def test_a_recorder_that_falls_silent_while_steering_is_an_event_once(tmp_path):
 
 
 @pytest.mark.parametrize("language", ["en", "de"])
-def test_a_sensor_that_is_told_of_while_steering_is_an_event_with_advice(tmp_path, language):
+def test_a_notice_of_a_sensor_while_steering_is_an_event_with_advice(tmp_path, language):
     words, silent = Words(language), Cause.RECEIVER_SILENT
     gate = {"state": SupervisorState.ACTIVE, "cause": 0, "steers": 1, "refusals": []}
     told = {"status": 0, "notices": [silent.value, 0]}

@@ -58,7 +58,7 @@ def test_it_sees_what_the_record_tells_and_its_command_is_given(mine, monkeypatc
         assert record.plan.trailer.steerings == pytest.approx(-0.02, abs=2.0**-14)  # as plans are recorded
 
 
-def test_it_is_told_its_gains(mine):
+def test_an_external_controller_is_given_its_gains(mine):
     run = mine("return self.gains['front'], 0.0", "controller.gains={front=0.03}")
     assert next(run.steps()).command.tractor_steering == 0.03
 

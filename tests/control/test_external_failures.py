@@ -44,7 +44,7 @@ def test_one_that_cannot_be_made_is_refused(case, tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("case", FAILING)
-def test_a_command_that_fails_is_told_by_its_line_in_the_users_file(case, tmp_path, monkeypatch):
+def test_a_command_that_fails_is_reported_by_its_line_in_the_users_file(case, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     text, reason, line = FAILING[case]
     (tmp_path / f"failing_{case}.py").write_text(HEAD + text, "utf-8")
@@ -53,7 +53,7 @@ def test_a_command_that_fails_is_told_by_its_line_in_the_users_file(case, tmp_pa
         next(run.steps())
 
 
-def test_a_class_that_is_not_complete_is_told_by_its_line_in_the_users_file(tmp_path, monkeypatch):
+def test_a_class_that_is_not_complete_is_reported_by_its_line_in_the_users_file(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "incomplete.py").write_text(HEAD + "    pass\n", "utf-8")
     with pytest.raises(ConfigurationError, match=r"abstract.*incomplete\.py:4\)"):

@@ -25,7 +25,11 @@ STAGES = 400
 UNIT = f"""
 #include "off_tracking.h"
 #include "fields.h"
-struct component {{ struct shared_error shared; double samples[{STAGES}][4], result[{STAGES}]; int32_t stages; }};
+struct component {{
+    struct shared_error shared;
+    double samples[{STAGES}][4], result[{STAGES}], slopes[{STAGES}];
+    int32_t stages;
+}};
 int64_t drawbar_size = sizeof(struct component);
 const struct drawbar_field drawbar_fields[] = {{
     SHARED_ERROR_FIELDS(shared) FIELD(component, samples, 0, {STAGES}, 4, 0) FIELD(component, result, 0, {STAGES}, 0, 0)
@@ -33,7 +37,7 @@ const struct drawbar_field drawbar_fields[] = {{
 }};
 int targets(struct component *p, const struct drawbar_estimate *estimate)
 {{
-    shared_targets(&p->shared, estimate, (const double (*)[4])p->samples, p->stages, p->result, 1, NULL);
+    shared_targets(&p->shared, estimate, (const double (*)[4])p->samples, p->stages, p->result, p->slopes);
     return 0;
 }}
 int remainder_of(struct component *p, const struct drawbar_estimate *e)

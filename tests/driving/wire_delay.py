@@ -23,8 +23,9 @@ from typing import NamedTuple
 import numpy as np
 
 from drawbar.config import load_configuration
+from drawbar.configurations import CONFIGURATION_NAME
 from drawbar.driving.operator.front_end import FrontEnd
-from drawbar.driving.processes.drive_processes import CONFIGURATION_NAME, DriveProcesses
+from drawbar.driving.processes.drive_processes import DriveProcesses
 from drawbar.driving.stand_in.demonstration import with_stand_ins
 from drawbar.messages import CommandMessage, ControllerState, Fixes, Mode
 from drawbar.protocols.agopengps.steer_board import SET_POINT

@@ -227,7 +227,7 @@ def test_what_is_not_sure_is_not_reckoned_with() -> None:
 @pytest.mark.parametrize(
     ("kind", "true", "least", "most"), [("simulated", 0.0, 0.0, 0.06), ("physics", 0.18, 0.08, 0.25)]
 )
-def test_driving_shows_it(kind: str, true: float, least: float, most: float) -> None:
+def test_the_lag_is_identified_while_driving(kind: str, true: float, least: float, most: float) -> None:
     """The simulated chain turns as its wheels stand; on soft ground the yaw rate of the physics lags by 0.18 s."""
     if kind == "physics":
         pytest.importorskip("mujoco", reason="the extra `physics` is not installed")

@@ -25,7 +25,7 @@ def drive():
     return machine.truth(), measurement
 
 
-def test_everything_is_true(drive):
+def test_the_ideal_estimate_is_the_truth(drive):
     truth, measurement = drive
     estimate = TrueState(0.2).estimate(truth, SLIDE, 0.0)
     same = set(type(truth).__dataclass_fields__) & set(type(estimate).__dataclass_fields__)

@@ -144,7 +144,7 @@ def test_what_an_angle_is_off_its_commands_is_taken_off_them(samples: int, known
     assert led == pytest.approx([known * DEGREE, sign * known * DEGREE], abs=0.1 * DEGREE)
 
 
-def test_an_age_that_is_told_is_no_dead_time() -> None:
+def test_an_age_that_is_reported_is_no_dead_time() -> None:
     identified = fed(0.4, 0.3, age=0.2).found()
     assert identified.dead_time == pytest.approx(0.2, abs=0.04)
 
@@ -303,7 +303,7 @@ def test_a_dead_time_found_during_the_run_is_predicted_over_as_one_that_was_stat
     assert repr(one.sent(command)) == repr(other.sent(command))
 
 
-UNTOLD = {
+UNSTATED = {
     "dead time 0.2 s at 2 m/s": ("speed=2.0", "machine.actuators.dead_time=0.2"),
     "dead time 0.4 s": ("machine.actuators.dead_time=0.4",),
     "lag 1 s": ("machine.actuators.lag_factor=3.3333",),
@@ -313,16 +313,16 @@ UNTOLD = {
 }
 
 
-@pytest.mark.parametrize("case", UNTOLD)
-def test_what_nobody_told_is_driven_with_from_the_first_metre(case: str, simulate: Callable) -> None:
-    run = simulate("articulated", "path.radii=[8.0]", "actuation.identify=true", *UNTOLD[case])
+@pytest.mark.parametrize("case", UNSTATED)
+def test_an_unstated_dead_time_is_driven_with_from_the_first_metre(case: str, simulate: Callable) -> None:
+    run = simulate("articulated", "path.radii=[8.0]", "actuation.identify=true", *UNSTATED[case])
     for body, mean in (("tractor", 0.03), ("trailer", 0.032)):
         error = np.abs(run.true_errors(body).error)
         assert error.mean() < mean
         assert error.max() < 0.15
 
 
-def test_a_rate_that_nobody_told_is_driven_with(simulate: Callable) -> None:
+def test_an_unstated_rate_is_driven_with(simulate: Callable) -> None:
     """Planned with the stated rate, front wheels of half of it swing at 3 m/s until the run is stopped.
 
     Rates of the bank are 1.2 apart: one run is off by up to half of that, and tells so; the mean of five is not.

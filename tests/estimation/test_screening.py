@@ -374,7 +374,7 @@ def test_a_yaw_that_was_wrong_from_the_start_is_overruled_by_one_antenna(error):
     assert not any(result.exposed for result in results)  # before anything is confirmed no one is accused
 
 
-def test_one_blow_to_an_antenna_is_told_at_once_and_remembered_for_some_samples():
+def test_one_blow_to_an_antenna_is_reported_at_once_and_remembered_for_some_samples():
     across = np.array([-math.sin(0.4), math.cos(0.4)])
     for antenna in (0, 1):
         blow = shift(200, LATER, LATER + 1, antenna, *(0.15 * across))  # no more than the gate's corner

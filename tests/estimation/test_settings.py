@@ -25,7 +25,7 @@ def test_first_slip_of_the_tricycle_lies_within_its_bounds():
 @pytest.mark.parametrize(
     "settings", [ArticulatedEstimatorSettings(model="articulated"), TricycleEstimatorSettings(model="tricycle")]
 )
-def test_bounds_are_told_by_the_names_of_an_estimate(settings):
+def test_bounds_are_reported_by_the_names_of_an_estimate(settings):
     bounds = settings.bounds_by_estimate()
     assert set(bounds) <= set(Estimate.__dataclass_fields__)
     assert all(lower < upper for lower, upper in bounds.values())

@@ -103,7 +103,7 @@ def test_a_straight_line_on_a_slope_that_is_seen_shows_the_next_curve() -> None:
     assert found(*straight)[2] == 0.0
 
 
-def test_what_is_the_same_in_the_world_is_told_from_what_is_the_same_for_the_vehicle() -> None:
+def test_what_is_the_same_in_the_world_is_distinguished_from_what_is_the_same_for_the_vehicle() -> None:
     yaws = np.linspace(0.0, 4.0 * math.pi, 2000)
     pushes = 0.05 * np.sign(np.sin(0.5 * yaws))
     crabs = 0.005 + 0.02 * np.sin(yaws) - 0.03 * np.cos(yaws) - 0.3 * pushes
@@ -164,7 +164,7 @@ def side_slips(x: Floats, slide: tuple[float, float, float], vehicle: VehiclePar
     return across[0], across[1]
 
 
-def test_a_model_on_a_slide_moves_as_one_whose_side_slips_are_told() -> None:
+def test_a_model_on_a_slide_moves_as_one_whose_side_slips_are_reported() -> None:
     vehicle, slide = VehicleParameters(), (0.02, -0.03, 0.4)
     problem = on_slide().problem
     discrete, plain = transcribe(problem), articulated(vehicle).numeric()

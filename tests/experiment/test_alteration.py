@@ -83,7 +83,7 @@ def test_an_altered_run_is_driven_by_any_worker(cluster: Client, short_task: Tas
         ("slower", "def slower(:", "cannot be read"),
     ],
 )
-def test_what_cannot_be_applied_is_told(write_altered, name: str, alterations: str, told: str) -> None:
+def test_what_cannot_be_applied_is_reported(write_altered, name: str, alterations: str, told: str) -> None:
     with pytest.raises(ConfigurationError, match=r"alterations\.py") as error:
         write_altered(CASES.replace("slower", name), alterations)
     assert told in str(error.value)
@@ -101,7 +101,7 @@ def test_a_folder_of_alterations_is_searched(tmp_path: Path) -> None:
         find_alteration(tmp_path, "faster")
 
 
-def test_a_missing_file_is_told(tmp_path: Path) -> None:
+def test_a_missing_file_is_reported(tmp_path: Path) -> None:
     with pytest.raises(ConfigurationError, match=r"alterations\.py: alteration 'slower' cannot be read"):
         find_alteration(tmp_path, "slower")
 

@@ -58,7 +58,7 @@ def test_one_at_a_time_is_in_order(cluster: Client) -> None:
     assert [key for key, _ in call_all(cluster, time.sleep, waits, at_once=1)] == ["a", "b", "c"]
 
 
-def test_an_address_without_scheduler_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_address_without_scheduler_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("drawbar.experiment.cluster._PATIENCE", 0.2)
     for address in ("tcp://127.0.0.1:1", "nonsense://x"):
         with pytest.raises(DrawbarError, match="no Dask scheduler answers"), open_cluster(address):

@@ -142,7 +142,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("case", WRONG)
-def test_what_is_wrong_is_told(write_experiment: Write, case: str) -> None:
+def test_what_is_wrong_is_reported(write_experiment: Write, case: str) -> None:
     text, part = WRONG[case]
     with pytest.raises(ConfigurationError) as error:
         write_experiment(text)

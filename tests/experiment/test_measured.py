@@ -49,7 +49,7 @@ def test_results_are_those_of_the_same_tasks_here_and_never_measured_twice(
     assert len(files(experiment)) == 6
 
 
-def test_a_run_without_a_result_is_told_and_tried_again(
+def test_a_run_without_a_result_is_reported_and_tried_again(
     cluster: Client, write_experiment: Write, two_cases: str, progress: RunsProgress
 ) -> None:
     experiment = write_experiment(two_cases + 'expected.slow."trailer all" = { at_most = 5.0 }')
@@ -83,14 +83,14 @@ def measured(write_experiment: Write, two_cases: str, short_result) -> MeasuredE
     return measured_of(write_experiment(two_cases + expected), runs, seeds=1)
 
 
-def test_verdicts_and_misses(measured: MeasuredExperiment) -> None:
+def test_a_figure_beyond_what_is_expected_is_a_miss(measured: MeasuredExperiment) -> None:
     assert [verdict.holds for verdict in measured.verdicts()] == [True, False]
     (miss,) = measured.misses()
     assert miss.startswith("slow: trailer all is ")
     assert miss.endswith("expected ≤ 0.001")
 
 
-def test_a_misspelt_figure_is_told_as_such(write_experiment: Write, two_cases: str, short_result) -> None:
+def test_a_misspelt_figure_is_reported_as_such(write_experiment: Write, two_cases: str, short_result) -> None:
     runs = {case: Runs(results=[short_result], failures=[]) for case in ("articulated", "slow")}
     experiment = write_experiment(two_cases + 'expected.slow."trailer al" = { at_most = 5.0 }')
     (miss,) = measured_of(experiment, runs, 1).misses()
@@ -194,7 +194,7 @@ def test_what_was_learned_names_figures_that_there_are(measured: MeasuredExperim
 
 
 @pytest.mark.parametrize("results", [None, []], ids=["not chosen", "failed"])
-def test_what_was_learned_of_a_case_without_a_result_is_left_out_and_that_is_told(
+def test_what_was_learned_of_a_case_without_a_result_is_left_out_and_that_is_reported(
     write_experiment: Write, two_cases: str, short_result, results: list[Result] | None
 ) -> None:
     learned = 'learned = "It errs by {slow|trailer all} cm."\nwhy_missed = "Too slow."\n'
@@ -213,7 +213,7 @@ def test_what_was_learned_of_a_case_without_a_result_is_left_out_and_that_is_tol
     assert "It errs by" not in (experiment.folder.parent / "REPORT.md").read_text("utf-8")
 
 
-def test_a_case_that_is_left_out_is_told_and_missed_by_nobody(write_experiment: Write, short_result) -> None:
+def test_a_case_that_is_left_out_is_reported_and_missed_by_nobody(write_experiment: Write, short_result) -> None:
     text = 'title = "x"\nexpected.a.x = { at_most = 1.0 }\ncases = [{ name = "paper" }, '
     experiment = write_experiment(text + '{ name = "a", configuration = "paper", needs = "no such folder" }]')
     measured = measured_of(experiment, {"paper": Runs(results=[short_result], failures=[])}, 1)

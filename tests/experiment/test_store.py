@@ -37,7 +37,7 @@ def test_results_of_other_code_are_forgotten(
     assert [folder.name for folder in tmp_path.iterdir()] == ["another"]
 
 
-def test_a_result_that_cannot_be_kept_is_told_with_its_file_and_the_cause(
+def test_a_result_that_cannot_be_kept_is_reported_with_its_file_and_the_cause(
     tmp_path: Path, short_task: Task, short_result: Result, room: Callable[[int], AbstractContextManager[None]]
 ) -> None:
     store = ResultStore(tmp_path)
@@ -48,7 +48,7 @@ def test_a_result_that_cannot_be_kept_is_told_with_its_file_and_the_cause(
     assert store.get(short_task) is not None
 
 
-def test_a_folder_that_cannot_be_written_is_told(tmp_path: Path) -> None:
+def test_a_folder_that_cannot_be_written_is_reported(tmp_path: Path) -> None:
     (tmp_path / "runs").touch()
     with pytest.raises(DrawbarError, match="runs: results cannot be kept there"):
         ResultStore(tmp_path / "runs")

@@ -13,10 +13,10 @@ import pytest
 
 from drawbar.codegen.compiler import FLAGS, find_compiler
 from drawbar.config import load_configuration
-from drawbar.exchange import Layout
 from drawbar.export.export import export_library
 from drawbar.export.targets import TARGETS, Precision, find_target
 from drawbar.guidance.path import Path as DrivenPath
+from drawbar.signal_layout import Layout
 from drawbar.signals import Command, Diagnostics, Estimate, Measurement
 
 MEASUREMENT, COMMAND, ESTIMATE, DIAGNOSTICS = map(Layout, (Measurement, Command, Estimate, Diagnostics))

@@ -228,14 +228,14 @@ def test_a_table_has_the_members_of_its_structure(exported, measurements: str) -
         assert all(repr(float(value)) == value or repr(int(value)) == value for row in rows for value in row if value)
 
 
-def test_what_the_example_is_not_told_has_its_default(example, measurements: str) -> None:
+def test_what_the_example_is_not_given_has_its_default(example, measurements: str) -> None:
     """A machine of before: nothing that tells of the receivers, no attitude, no ages."""
     lines = list(csv.reader(measurements.splitlines()))
     assert example("\n".join(",".join(line[:9]) for line in lines)) == example(measurements)
     assert example("\n".join(",".join([*line[:9], *[""] * 18]) for line in lines)) == example(measurements)
 
 
-def test_what_the_example_is_told_arrives(example, measurements: str) -> None:
+def test_what_the_example_is_given_arrives(example, measurements: str) -> None:
     """Each column: a number beyond what its sensor can mean is told from the others by the step's flag."""
     names, first, *_ = csv.reader(measurements.splitlines())
     for i, name in enumerate(names[1:25], 1):

@@ -18,11 +18,11 @@ from drawbar.codegen import cache as compiled_cache
 from drawbar.codegen.compiler import FLAGS, find_compiler
 from drawbar.codegen.library import load
 from drawbar.config import load_configuration
-from drawbar.exchange import Layout
 from drawbar.export import manifest, sources
 from drawbar.export.export import export_library
 from drawbar.geometry import Floats
 from drawbar.guidance.path import Path as DrivenPath
+from drawbar.signal_layout import Layout
 from drawbar.signals import Command, Diagnostics, Flag, Measurement, Status, Truth
 from drawbar.simulation import Simulation
 

@@ -64,7 +64,7 @@ def test_a_path_is_not_turned_round_where_nothing_of_it_would_lie_ahead() -> Non
     assert begun(EIGHT, at(EIGHT, 1.0, turned=math.pi), both_ways=True) == (EIGHT, 0.0)
 
 
-def test_a_vehicle_far_away_or_at_the_end_is_told() -> None:
+def test_a_vehicle_far_away_or_at_the_end_is_reported() -> None:
     with pytest.raises(
         PathError, match=r"is 6\.00 m from where the run is to begin, .*, 12\.00 m along the path; at most 5 m"
     ):

@@ -199,7 +199,7 @@ def test_a_nudge_in_a_run_is_followed_softly() -> None:
     assert (bump < np.radians([2.0, 3.5])).all(), np.degrees(bump)
 
 
-def test_an_offset_that_cannot_be_is_told() -> None:
+def test_an_offset_that_cannot_be_is_reported() -> None:
     with Simulation(load_configuration("articulated", ["path.radii=[8.0]"])) as simulation:
         for wrong in (200.0, 7.5):
             with pytest.raises(DrawbarError, match=rf"offset = {wrong} m is not allowed; give at most 100 m"):

@@ -91,7 +91,7 @@ def test_a_point_that_the_path_leaves_is_refused_and_named(line_path) -> None:
     assert line_path(points, (1.0, 9.0, 0.005))[:2] == (FAR, 60)
 
 
-def test_too_little_memory_is_refused_and_what_is_needed_is_told(line_path) -> None:
+def test_too_little_memory_is_refused_and_what_is_needed_is_reported(line_path) -> None:
     points = driven(0)
     _, needed, _ = line_path(points, (0.4, 2.0, 0.3))
     assert line_path(points, (0.4, 2.0, 0.3), needed - 1)[:2] == (MEMORY, needed)

@@ -6,8 +6,8 @@ from typing import Any, Self
 
 import numpy as np
 
-from drawbar.exchange import Layout
 from drawbar.geometry import Floats
+from drawbar.signal_layout import Layout
 from drawbar.signals import BodyPlan, BodyReference, SolverStatus
 
 Real = ctypes.c_double

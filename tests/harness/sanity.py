@@ -37,7 +37,7 @@ class Sanity(Alone):
         share = Real()
         references = [byref(CBodyReference.of(each)) for each in (tractor, trailer)]
         seen = (given(measurement), given(measurement), given(estimate), *references)
-        status = self.call("look", *seen, Real(departure), byref(share))
+        status = self.call("judge", *seen, Real(departure), byref(share))
         return status, share.value
 
 

@@ -3,7 +3,7 @@
 from struct import Struct
 from typing import Any
 
-from drawbar.exchange import Layout
+from drawbar.signal_layout import Layout
 
 
 class SingleLayout(Layout):

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from drawbar.exchange import Layout
 from drawbar.guidance.path import PATH_UNIT
+from drawbar.signal_layout import Layout
 from drawbar.signals import Diagnostics, Estimate, Flag, Measurement, Status
 
 HERE = Path(__file__).parents[1] / "step"

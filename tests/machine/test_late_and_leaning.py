@@ -70,10 +70,10 @@ def test_attitude_sensor_reports_what_is_true_but_for_its_errors(build: Build, i
     assert truth.tractor_roll != 0.0
 
 
-@pytest.mark.parametrize("told", [True, False])
-def test_late_sensors_report_the_past(build: Build, ideal: SimulatedMachineSettings, told: bool) -> None:
+@pytest.mark.parametrize("reported", [True, False])
+def test_late_sensors_report_the_past(build: Build, ideal: SimulatedMachineSettings, reported: bool) -> None:
     latency, later = {"latency": 0.4}, {"latency": 0.2}
-    late = {"fix": latency, "hitch_angle": later, "steering": later, "speed": latency, "told": told}
+    late = {"fix": latency, "hitch_angle": later, "steering": later, "speed": latency, "reported": reported}
     machine = build(changed(ideal, delays=late))
     run = drive(machine, 60)
     for k in range(10, 60):
@@ -84,7 +84,7 @@ def test_late_sensors_report_the_past(build: Build, ideal: SimulatedMachineSetti
         assert now.tractor_steering == pytest.approx(one_ago.tractor_steering, abs=1e-9)
         beta = one_ago.tractor.yaw - one_ago.trailer.yaw - one_ago.trailer_steering
         assert now.hitch_angle == pytest.approx(beta, abs=1e-9)
-        assert (now.trailer_fix_age, now.hitch_angle_age) == pytest.approx((0.4, 0.2) if told else (0.0, 0.0))
+        assert (now.trailer_fix_age, now.hitch_angle_age) == pytest.approx((0.4, 0.2) if reported else (0.0, 0.0))
 
 
 def test_jitter_spreads_the_ages(build: Build, ideal: SimulatedMachineSettings) -> None:

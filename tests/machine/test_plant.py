@@ -48,7 +48,9 @@ def test_integration_is_of_fourth_order() -> None:
     assert math.log2(errors[1] / errors[2]) == pytest.approx(4.0, abs=0.3)
 
 
-def test_straight_line_transfer(build: Build, drive: Drive, ideal: SimulatedMachineSettings) -> None:
+def test_trailer_answers_its_steering_by_the_closed_forms_transfer(
+    build: Build, drive: Drive, ideal: SimulatedMachineSettings
+) -> None:
     """y_i / delta_i = -V d / ((L_i + d) s + V): the step response of that transfer behind the steering lag.
 
     A step of 1 mrad keeps the linearisation's error (third order) far below the tolerance.
@@ -78,7 +80,7 @@ def test_straight_line_offset_at_rest(
 
 @pytest.mark.parametrize("tractor", [0.14, -0.2])
 @pytest.mark.parametrize("trailer", [0.0, 0.3, -0.3])
-def test_circle_radius(
+def test_trailer_axle_drives_the_circle_of_the_closed_form(
     build: Build, drive: Drive, ideal: SimulatedMachineSettings, tractor: float, trailer: float
 ) -> None:
     """rho_i = d sin(delta_i) + sqrt(rho² + a² - (L_i + d cos(delta_i))²), for a left curve; mirrored else."""

@@ -78,5 +78,7 @@ def test_dead_time_off_the_grid_is_refused_with_both_numbers() -> None:
 @pytest.mark.parametrize(
     ("duration", "step", "steps"), [(0.2, 0.01, 20), (0.0, 0.01, 0), (0.3, 0.1, 3), (0.205, 0.01, None)]
 )
-def test_whole_steps(duration: float, step: float, steps: int | None) -> None:
+def test_duration_is_counted_in_steps_only_where_it_is_a_multiple(
+    duration: float, step: float, steps: int | None
+) -> None:
     assert whole_steps(duration, step) == steps

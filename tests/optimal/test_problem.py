@@ -104,7 +104,7 @@ WRONG = (
         ),
     ],
 )
-def test_control_problem(changes: dict[str, Any], complaint: str) -> None:
+def test_a_wrong_control_problem_is_refused(changes: dict[str, Any], complaint: str) -> None:
     with pytest.raises(SolverError, match=re.escape(complaint)):
         control(**changes)
 
@@ -135,7 +135,7 @@ def test_control_problem(changes: dict[str, Any], complaint: str) -> None:
         ({"acting": {"speed": ca.SX.sym("wind")}}, "neither state, parameter nor constant of 'tricycle': ['wind']"),
     ],
 )
-def test_estimation_problem(changes: dict[str, Any], complaint: str) -> None:
+def test_a_wrong_estimation_problem_is_refused(changes: dict[str, Any], complaint: str) -> None:
     with pytest.raises(SolverError, match=re.escape(complaint)):
         estimation(**changes)
 
@@ -150,12 +150,13 @@ def test_estimation_problem(changes: dict[str, Any], complaint: str) -> None:
         {"lower": -math.inf, "upper": -math.inf},
         {"lower": "0", "upper": 1.0},
         {"lower": 0.0, "upper": 1.0, "linear_penalty": 0.0},
+        {"lower": 0.0, "upper": 1.0, "linear_penalty": -1.0, "quadratic_penalty": 2.0},
         {"lower": 0.0, "upper": 1.0, "linear_penalty": math.nan},
         {"lower": 0.0, "upper": 1.0, "linear_penalty": 1.0, "quadratic_penalty": -1.0},
         {"lower": 0.0, "upper": 1.0, "linear_penalty": 1.0, "quadratic_penalty": math.inf},
     ],
 )
-def test_bound(values: dict[str, Any]) -> None:
+def test_a_wrong_bound_is_refused(values: dict[str, Any]) -> None:
     with pytest.raises(SolverError):
         Bound(**values)
 

@@ -52,7 +52,7 @@ def test_bounds_that_are_active_with_zero_multiplier(shift: float, problem: Any,
     assert costs[0] == pytest.approx(costs[1], rel=1e-7)
 
 
-def test_every_input_pinned(problem: Any, program: QuadraticProgram) -> None:
+def test_inputs_pinned_by_equal_bounds_stay_there(problem: Any, program: QuadraticProgram) -> None:
     inputs = problem.bound >= (SIZES.stages + 1) * SIZES.states
     program.array("lower")[~inputs], program.array("upper")[~inputs] = -np.inf, np.inf
     program.array("lower")[inputs] = program.array("upper")[inputs] = 0.125
@@ -64,6 +64,13 @@ def test_every_input_pinned(problem: Any, program: QuadraticProgram) -> None:
 @pytest.mark.parametrize("bad", [(0.2, 0.1), (np.nan, 1.0), (-1.0, np.nan)])
 def test_crossed_bounds_are_bad_input(bad: tuple[float, float], program: QuadraticProgram) -> None:
     program.array("lower")[3], program.array("upper")[3] = bad
+    assert program.solve() == SolverStatus.BAD_INPUT
+
+
+@pytest.mark.usefixtures("problem")
+@pytest.mark.parametrize("prices", [(0.0, 0.0), (-1.0, 5.0), (1.0, -1.0), (np.nan, 1.0)])
+def test_soft_bound_without_a_price_is_bad_input(prices: tuple[float, float], program: QuadraticProgram) -> None:
+    program.array("soft_linear")[3], program.array("soft_quadratic")[3] = prices
     assert program.solve() == SolverStatus.BAD_INPUT
 
 

@@ -181,7 +181,7 @@ def test_bounds_of_an_estimator() -> None:
     assert {name: array[-1] for name, array in solver.upper.items()} == {"speed": 1, "drag": 2, "acceleration": 3}
 
 
-def test_bounds_that_were_not_declared_are_told() -> None:
+def test_bounds_that_were_not_declared_are_reported() -> None:
     with pytest.raises(SolverError, match="No bound on 'position' was declared; there are speed, acceleration"):
         controller().lower["position"]
 

@@ -19,7 +19,7 @@ def test_a_report_and_a_drive_are_those_bytes():
 
 
 @pytest.mark.parametrize("drive", [1.01, -1.01, float("nan")])
-def test_no_drive_beyond_the_full_one_is_told(drive):
+def test_no_drive_beyond_the_full_one_is_reported(drive):
     with pytest.raises(HardwareError, match="-1 to 1"):
         drive_sentence(drive)
 

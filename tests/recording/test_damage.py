@@ -145,7 +145,7 @@ BEHIND_38 = r"bytes \d+ to \d+ are damaged: what came after step 38 is lost"
         pytest.param((14, 20), (14, 30), set(), BEHIND_38.replace("38", "39"), id="some of the outcome"),
     ],
 )
-def test_bytes_that_are_missing_between_what_looks_sound_are_told(long_log, begin, end, lost, said):
+def test_bytes_that_are_missing_between_what_looks_sound_are_reported(long_log, begin, end, lost, said):
     file, steps = long_log
     whole = file.read_bytes()
     places = marks(whole)
@@ -167,7 +167,7 @@ def test_damage_behind_the_outcome_costs_no_step(long_log):
     assert re.fullmatch(r"bytes \d+ to \d+ are damaged: no step is lost", *log.losses)
 
 
-def test_what_damage_costs_is_told_with_its_bytes_and_steps(long_log):
+def test_what_damage_costs_is_reported_with_its_bytes_and_steps(long_log):
     file, _ = long_log
     whole = file.read_bytes()
     begin = marks(whole)[2]

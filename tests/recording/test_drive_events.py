@@ -48,7 +48,7 @@ def log_of(tmp_path, header_and_scene):
     return write
 
 
-def test_an_end_of_the_controllers_run_is_told_with_its_status_and_another_cause_without(log_of):
+def test_an_end_of_the_controllers_run_is_reported_with_its_status_and_another_cause_without(log_of):
     log = log_of(
         gate_of(SupervisorState.ACTIVE),
         controller_of(Status.HITCH),
@@ -71,7 +71,7 @@ def noticing(*causes):
     return replace(controller_of(Status.OK), notices=(*codes, *[0] * (8 - len(codes))))
 
 
-def test_a_notice_is_told_once_each_time_the_vehicle_is_steered_and_not_before(log_of):
+def test_a_notice_is_reported_once_each_time_the_vehicle_is_steered_and_not_before(log_of):
     silent, drift = Cause.RECEIVER_SILENT, Cause.POSITIONS_DRIFT
     standby = gate_of(SupervisorState.STANDBY)
     log = log_of(
@@ -83,13 +83,13 @@ def test_a_notice_is_told_once_each_time_the_vehicle_is_steered_and_not_before(l
     assert event_rows(told) == [("0.0 s", first), ("1.0 s", second), ("6.0 s", first)]
 
 
-def test_what_was_asked_for_is_told_once_with_its_value(log_of):
+def test_what_was_asked_for_is_reported_once_with_its_value(log_of):
     wish = asked(Action.SET_SPEED, 0.8)
     rows = event_rows(drive_events(log_of(gate_of(SupervisorState.READY), asked(Action.PRESENT), wish, wish)))
     assert [cells[0] for _, cells in rows] == ["READY", "the operator asked for a speed of 0.8 m/s"]
 
 
-def test_what_is_asked_for_again_before_anything_else_happens_is_told_once_but_for_shifts(log_of):
+def test_what_is_asked_for_again_before_anything_else_happens_is_reported_once_but_for_shifts(log_of):
     stop, state = asked(Action.STOP), gate_of(SupervisorState.STOPPING)
     asks = [asked(Action.NUDGE, 0.05)] * 2 + [asked(Action.SET_SPEED, each) for each in (1.0, 1.0, 1.1)]
     messages = [stop, stop, state, stop, stop, *asks]
@@ -114,7 +114,7 @@ def _answer(nonce, answer, *refusals, state=SupervisorState.STANDBY):
         (None, (Cause.TOO_SLOW,), ()),
     ],
 )
-def test_a_refused_request_is_told_once_with_what_stood_against_it(log_of, answer, standing, told):
+def test_a_refused_request_is_reported_once_with_what_stood_against_it(log_of, answer, standing, told):
     arm = [replace(asked(Action.ARM), nonce=nonce) for nonce in (7, 8)]
     answers = [_answer(nonce, answer, *standing) for nonce in (0, 7, 7, 8)]
     log = log_of(answers[0], arm[0], *answers[1:3], arm[1], answers[3])
@@ -161,7 +161,7 @@ def test_a_log_with_a_state_that_there_is_not_is_refused_and_its_report_says_so(
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="an open file is not removed there")
-def test_a_log_that_is_removed_is_told_and_one_that_is_renamed_goes_on(tmp_path, header_and_scene):
+def test_a_log_that_is_removed_is_reported_and_one_that_is_renamed_goes_on(tmp_path, header_and_scene):
     log = DriveLog(tmp_path / "log.mcap", *header_and_scene)
     (tmp_path / "log.mcap").rename(tmp_path / "renamed.mcap")
     log.flush()

@@ -7,7 +7,7 @@ from drawbar.recording.header import path_notes, run_header
 from drawbar.simulation import build_path
 
 
-def test_off_tracking_that_no_controller_takes_away_is_told() -> None:
+def test_off_tracking_that_no_controller_takes_away_is_reported() -> None:
     plain = load_configuration("articulated")
     path, _ = build_path(plain)
     assert path_notes(plain, path, None) == []
@@ -21,7 +21,7 @@ def test_off_tracking_that_no_controller_takes_away_is_told() -> None:
         assert "tractor takes" not in path_notes(alone, path, None)[0]
 
 
-def test_a_horizon_within_which_slow_front_wheels_hardly_turn_is_told() -> None:
+def test_a_horizon_within_which_slow_front_wheels_hardly_turn_is_reported() -> None:
     plain = load_configuration("articulated", ["sample_time=0.05"])
     path, _ = build_path(plain)
     assert path_notes(plain, path, None) == []
@@ -37,7 +37,7 @@ def test_a_horizon_within_which_slow_front_wheels_hardly_turn_is_told() -> None:
     assert slower.endswith("begin on the line"), "a horizon of 63 samples is more than a solver has time for"
 
 
-def test_curves_that_slow_front_wheels_round_are_told_with_a_speed_at_which_they_do_not() -> None:
+def test_curves_that_slow_front_wheels_round_are_reported_with_a_speed_at_which_they_do_not() -> None:
     eight = ["path.radii=[8.0]", "vehicle.wheelbase=2.8", "controller.horizon=60", "vehicle.tractor_steering_rate=0.1"]
     path, _ = build_path(load_configuration("articulated", eight))
     (note,) = path_notes(load_configuration("articulated", [*eight, "speed=2.0"]), path, None)
@@ -46,7 +46,7 @@ def test_curves_that_slow_front_wheels_round_are_told_with_a_speed_at_which_they
     assert path_notes(load_configuration("articulated", [*eight, "speed=0.8"]), path, None) == []
 
 
-def test_samples_far_apart_are_told_with_what_is_near_enough() -> None:
+def test_samples_far_apart_are_reported_with_what_is_near_enough() -> None:
     plain = load_configuration("articulated")
     path, _ = build_path(plain)
     seldom = load_configuration("articulated", ["sample_time=0.5"])

@@ -102,7 +102,7 @@ def test_a_viewer_is_told_what_the_file_holds(live, tmp_path):
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="reads Linux's table of sockets")
-def test_only_this_computer_is_served_and_a_port_that_is_taken_is_told(live):
+def test_only_this_computer_is_served_and_a_port_that_is_taken_is_reported(live):
     with open("/proc/net/tcp") as table:
         rows = [line.split()[1] for line in table if line.split()[1].endswith(f":{live.port:04X}")]
     assert rows == [f"0100007F:{live.port:04X}"]

@@ -56,7 +56,7 @@ def test_a_long_run_with_a_reason_still_fits(make_run):
     assert "stopped: SolverError" in text
 
 
-def test_of_a_run_without_figures_only_its_end_is_told(make_run):
+def test_of_a_run_without_figures_only_its_end_is_reported(make_run):
     log = make_run(steps=0, outcome=Outcome(finished=False, reason="port 9999 is taken"))
     told = printed(summary(metrics_of(log)))
     assert "stopped: port 9999 is taken" in told

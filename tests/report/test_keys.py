@@ -45,6 +45,10 @@ def test_units_ranges_and_meanings_are_those_of_the_declarations() -> None:
     assert (horizon.default, horizon.allowed) == ("20", "integer ≥ 2, ≤ 200")
     assert keys["", "", "acceleration"].unit == "m/s²"
     assert keys["start", "", "start.ahead"].unit == "m"
+    widening = keys["controller.sharing", "", "controller.sharing.widening"]
+    assert (widening.unit, widening.meaning.partition(":")[0].split()[-1]) == ("m²", "curvature")
+    assert keys["actuation", "", "actuation.body_lag_per_speed"].unit == "s²/m"
+    assert [key.unit for (_, _, name), key in keys.items() if name == "machine.tractor.mass"] == ["kg"]
     assert keys["", "", "name"].default == ""
     assert "list of number > 0, ≤ 1000" in keys["path", "", "path.radii"].allowed
     assert keys["tube", "", "tube.nominal"].allowed == '"predicted", "propagated", "optimised"'

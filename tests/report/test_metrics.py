@@ -77,7 +77,7 @@ def test_masked_fixes_of_both_antennas_are_counted(make_run):
     ]
 
 
-def test_shares_by_hand(make_run):
+def test_shares_are_those_computed_by_hand(make_run):
     log = small(make_run)
     log = with_column(log, "tractor_steering.command", [0.2, -0.2, 0.1, 0.0])
     log = with_column(log, "tractor_steering.ancillary", [0.05, -0.05, 0.0, 0.0])

@@ -93,7 +93,7 @@ def test_a_figure_without_curves_has_no_section(make_run):
 
 
 @pytest.mark.parametrize("sign", [1, -1])
-def test_a_reversed_actuator_is_told(make_run, sign):
+def test_a_reversed_actuator_is_reported(make_run, sign):
     log = make_run(steps=5)
     vehicle = log.header.vehicle.model_copy(update={"joint_sign": sign})
     page = render(dataclasses.replace(log, header=dataclasses.replace(log.header, vehicle=vehicle)))

@@ -249,7 +249,7 @@ def test_fatal_causes_are_faults_everywhere(state, cause):
         (Action.RELEASE, STOPPING, STOPPED, Cause.OPERATOR_RELEASES),
     ],
 )
-def test_the_operators_actions(action, state, after, cause):
+def test_an_operators_action_leads_to_its_state_with_its_cause(action, state, after, cause):
     engagement = brought_to(state)
     engagement.update(100.05, Situation(causes=(), actions=frozenset({action})))
     assert (engagement.state, engagement.cause) == (after, cause)
@@ -304,7 +304,7 @@ def test_arming_holds_for_a_while_and_ends_with_the_state():
 
 
 @pytest.mark.parametrize("state", STEERING)
-def test_whoever_engages_what_is_steered_is_told_so(state):
+def test_whoever_engages_what_is_steered_is_reported_so(state):
     engagement = brought_to(state)
     assert {engagement.answer(100.0, action) for action in (Action.ARM, Action.ENGAGE)} == {Cause.STEERED}
 

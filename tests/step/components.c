@@ -47,10 +47,10 @@ INITIALISE(tractor_law)
 INITIALISE(trailer_law)
 INITIALISE(sanity)
 
-int drawbar_sanity_look(struct component *component, const struct drawbar_measurement *reported,
-                        const struct drawbar_measurement *measurement, const struct drawbar_estimate *estimate,
-                        const struct drawbar_body_reference *tractor, const struct drawbar_body_reference *trailer,
-                        double departure, double *share)
+int drawbar_sanity_judge(struct component *component, const struct drawbar_measurement *reported,
+                         const struct drawbar_measurement *measurement, const struct drawbar_estimate *estimate,
+                         const struct drawbar_body_reference *tractor, const struct drawbar_body_reference *trailer,
+                         double departure, double *share)
 {
     (void)component;
     (void)reported;

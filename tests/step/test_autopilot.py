@@ -234,7 +234,7 @@ def test_an_engagement_beside_the_line_joins_it_gently(build):
 
 
 @pytest.mark.parametrize("seed", [0, 1])
-def test_a_vehicle_whose_delays_nobody_told_joins_the_line_without_crossing_it(build, seed):
+def test_a_vehicle_whose_delays_are_not_reported_joins_the_line_without_crossing_it(build, seed):
     """With a jerk of 0.5 m/s³ it crosses the line by 9 cm."""
     delays = ("machine.actuators.dead_time=0.25", "machine.actuators.lag_factor=1.6")
     simulation = build("articulated", "start.left=0.3", "machine.sensors.position=0.01", *delays, seed=seed)

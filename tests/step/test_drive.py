@@ -96,13 +96,13 @@ def test_a_vehicle_that_left_the_path_is_given_up_after_its_record(build):
     assert machine.received[-3:] == [0.0, "stop", "close"]
 
 
-def test_a_first_measurement_without_a_position_is_told(build):
+def test_a_first_measurement_without_a_position_is_reported(build):
     _, steps = driven(short(build), lambda m: replace(m, trailer_x=float("nan")))
     with pytest.raises(HardwareError, match=r"lacks a position .* wait for a fix of both antennas"):
         next(steps)
 
 
-def test_a_start_too_far_away_is_told(build):
+def test_a_start_too_far_away_is_reported(build):
     told = r"is 6\.0. m from where the run is to begin, \(0\.00, 0\.00\) m, .* at most 5 m is allowed: drive there"
     with pytest.raises(PathError, match=r"at most 5 m is allowed: drive there"):
         build("articulated", "start.left=40.0")
@@ -129,7 +129,7 @@ def test_a_run_goes_the_way_that_the_machine_faces_where_the_line_has_both(build
     assert all(abs(record.reference.tractor.lateral_error) < 0.1 for record in records)
 
 
-def test_a_vehicle_that_faces_away_where_no_turns_help_is_told(build):
+def test_a_vehicle_that_faces_away_where_no_turns_help_is_reported(build):
     simulation = build("articulated", "start.yaw=3.1", "guidance.turning_room=0.1")
     with pytest.raises(RunAborted, match=r"faced -?1\d\d° away from the path; turns of .* do not lead onto it"):
         list(simulation.steps())
@@ -239,7 +239,7 @@ def later(change, samples=20):
 
 @pytest.mark.parametrize("change", [bare, as_dictionary], ids=lambda change: change.__name__)
 @pytest.mark.parametrize("samples", [0, 20])
-def test_a_machine_that_reports_no_measurement_is_told_and_stopped(build, change, samples):
+def test_a_machine_that_reports_no_measurement_is_reported_and_stopped(build, change, samples):
     machine, steps = driven(short(build), later(change, samples))
     given = repr(change(SimpleNamespace(time=0.0)))[:6]
     with pytest.raises(HardwareError, match=rf"Watched\.read\(\) returned {given}.*must return a drawbar\.Measurement"):
@@ -248,7 +248,7 @@ def test_a_machine_that_reports_no_measurement_is_told_and_stopped(build, change
 
 
 @pytest.mark.parametrize("time", [math.nan, math.inf])
-def test_a_first_measurement_without_a_time_is_told(build, time):
+def test_a_first_measurement_without_a_time_is_reported(build, time):
     machine, steps = driven(short(build), lambda m: replace(m, time=time))
     with pytest.raises(HardwareError, match=f"first measurement has time = {time}; give seconds"):
         next(steps)

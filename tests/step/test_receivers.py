@@ -66,7 +66,7 @@ def test_right_fixes_that_are_late_are_believed(simulate, seed, speed):
         "machine.actuators.dead_time=0.15",
         "machine.attitude={tractor={present=true},trailer={present=true}}",
         "machine.actuators.lag_factor=1.3333",
-        "machine.delays={fix={latency=0.1},told=false}",
+        "machine.delays={fix={latency=0.1},reported=false}",
     ]
     fine = [
         "machine.kind=physics",

@@ -92,7 +92,7 @@ def test_a_clock_that_stands_still_stops_the_vehicle(driver):
     assert driver.command[3] == 0.0
 
 
-def test_samples_left_out_are_told_and_many_end_the_run(driver):
+def test_samples_left_out_are_reported_and_many_end_the_run(driver):
     driver.step(tractor_steering=0.1)
     assert [driver.step(elapsed=gap)[0] for gap in (0.05, 0.29, 0.31)] == [0, 0, Flag.LATE]
     assert driver.step(elapsed=1.05)[0] == Flag.LATE | Flag.SLOWED

@@ -153,7 +153,7 @@ def test_an_offset_beyond_its_bounds_changes_nothing(driver):
     assert library.drawbar_set_offset(None, offset(0.0)) == STATUS["NULL"]
 
 
-def test_a_run_begins_where_it_is_told(driver):
+def test_a_run_begins_where_it_is_asked_to(driver):
     library, place = driver.library, ctypes.c_double
     for wrong in (-0.1, LENGTH, math.nan):
         assert library.drawbar_begin_at(driver.state, place(wrong)) == STATUS["RANGE"]

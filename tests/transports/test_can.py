@@ -149,7 +149,7 @@ def test_slcan_adapter_on_a_serial_line(tmp_path: Path) -> None:
     bus.close()
 
 
-def test_interface_that_is_not_there_is_told_and_tried_again() -> None:
+def test_interface_that_is_not_there_is_reported_and_tried_again() -> None:
     clock = FakeClock()
     bus = PythonCanBus(CanAddress(interface="socketcan", channel="none7"), clock)
     assert not bus.connected

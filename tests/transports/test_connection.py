@@ -126,6 +126,6 @@ def test_addresses_need_no_look_up(host: str) -> None:
 
 
 @pytest.mark.parametrize("host", ["x" * 300, "a..b", ""])
-def test_impossible_names_are_told(host: str) -> None:
+def test_impossible_names_are_reported(host: str) -> None:
     look_up = NameLookUp(host, 80)
     assert until(lambda: look_up.trouble or look_up.addresses)

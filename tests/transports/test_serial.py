@@ -110,7 +110,7 @@ def test_unplugged_device_is_noticed_and_opened_again(line: Line) -> None:
     transport.close()
 
 
-def test_device_that_is_not_there_is_told_and_tried_again(tmp_path: Path) -> None:
+def test_device_that_is_not_there_is_reported_and_tried_again(tmp_path: Path) -> None:
     clock = FakeClock()
     transport = SerialTransport(SerialAddress(device=str(tmp_path / "none"), baud=115200), clock)
     assert not transport.connected
@@ -125,7 +125,7 @@ def test_device_that_is_not_there_is_told_and_tried_again(tmp_path: Path) -> Non
     line.unplug()
 
 
-def test_what_is_no_serial_line_is_told() -> None:
+def test_what_is_no_serial_line_is_reported() -> None:
     transport = SerialTransport(SerialAddress(device="/dev/null", baud=115200), FakeClock())
     assert transport.trouble == "/dev/null cannot be opened: it is no serial line"
 

@@ -137,7 +137,7 @@ def test_attempt_without_an_answer_is_given_up(server: socket.socket) -> None:
         each.close()
 
 
-def test_unknown_name_is_told_without_waiting(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_unknown_name_is_reported_without_waiting(monkeypatch: pytest.MonkeyPatch) -> None:
     whole, answers = socket.getaddrinfo, threading.Event()
 
     def look_up(*asked: Any, flags: int, **kind: Any) -> Any:

@@ -54,7 +54,7 @@ def test_stamp_is_the_kernels_not_that_of_reading() -> None:
     board.close()
 
 
-def test_taken_port_is_told_with_the_program_that_has_it(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_taken_port_is_reported_with_the_program_that_has_it(monkeypatch: pytest.MonkeyPatch) -> None:
     other = listening()
     address = UdpAddress(host="127.0.0.1", port=other.port)
     with pytest.raises(HardwareError, match=f"port {other.port} is taken: another program listens there; stop it"):

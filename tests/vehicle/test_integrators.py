@@ -104,7 +104,7 @@ def after(model: Model, x: Any, u: Any, steps: int, integrator: Integrator, seco
 
 
 @pytest.mark.parametrize(("integrator", "order"), [(Integrator.RUNGE_KUTTA, 4), (Integrator.ROSENBROCK, 3)])
-def test_order(integrator: Integrator, order: int) -> None:
+def test_error_falls_with_the_order_of_the_method(integrator: Integrator, order: int) -> None:
     model, x, u = van_der_pol(), [1.0, 0.5], 0.3
     truth = true(model, x, u, 1.0)
     errors = [np.abs(after(model, x, u, steps, integrator) - truth).max() for steps in (16, 32, 64)]

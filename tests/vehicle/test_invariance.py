@@ -33,7 +33,7 @@ def moved(group: tuple[Variable, ...], values: Floats, angle: float, shift: Floa
 
 
 @pytest.mark.parametrize("declare", MODELS)
-def test_mirror(declare: Callable[..., Model], evaluate: Any, draw: Sample) -> None:
+def test_mirrored_states_move_mirrored(declare: Callable[..., Model], evaluate: Any, draw: Sample) -> None:
     model, rng = declare(VehicleParameters()), np.random.default_rng(1)
     for _ in range(20):
         point = draw(model, rng)
@@ -46,7 +46,7 @@ def test_mirror(declare: Callable[..., Model], evaluate: Any, draw: Sample) -> N
 
 
 @pytest.mark.parametrize("declare", MODELS)
-def test_rotation_and_shift(declare: Callable[..., Model], evaluate: Any, draw: Sample) -> None:
+def test_turned_and_shifted_states_move_alike(declare: Callable[..., Model], evaluate: Any, draw: Sample) -> None:
     model, rng = declare(VehicleParameters()), np.random.default_rng(2)
     for _ in range(20):
         x, u, p = draw(model, rng)

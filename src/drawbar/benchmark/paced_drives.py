@@ -22,8 +22,9 @@ from rich.console import Console
 from rich.table import Table
 
 from drawbar.config import Configuration, load_configuration
+from drawbar.configurations import CONFIGURATION_NAME
 from drawbar.driving.operator.front_end import FrontEnd
-from drawbar.driving.processes.drive_processes import CONFIGURATION_NAME, DriveProcesses
+from drawbar.driving.processes.drive_processes import DriveProcesses
 from drawbar.driving.stand_in.demonstration import with_isobus, with_one_receiver, with_stand_ins
 from drawbar.driving.stand_in.rehearsal import Rehearsal
 from drawbar.driving.stand_in.stand_in_machine import SEED

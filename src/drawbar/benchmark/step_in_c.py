@@ -8,9 +8,9 @@ import numpy as np
 
 from drawbar.codegen import build
 from drawbar.codegen.library import aligned, load
-from drawbar.exchange import Layout
 from drawbar.geometry import Floats
 from drawbar.guidance.path import Path
+from drawbar.signal_layout import Layout
 from drawbar.signals import Command, Measurement
 from drawbar.step.autopilot import Autopilot
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from drawbar.cli.options import ConfigurationName, Pace, agreed, changing, console
+from drawbar.configurations import CONFIGURATION_NAME
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -154,7 +155,7 @@ def stand_in(
     assert config.devices is not None
     refuse_elsewhere(config.devices, pace)
     with tempfile.TemporaryDirectory(prefix="drawbar-") as folder:
-        file = FilePath(folder) / "config.toml"
+        file = FilePath(folder) / CONFIGURATION_NAME
         file.write_text(config.to_toml(), "utf-8")
         options = ProcessOptions(folder=folder, run=folder, configuration=str(file), pace=pace)
         firmware = Firmware(boards)

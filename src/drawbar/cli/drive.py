@@ -10,6 +10,7 @@ import typer
 
 from drawbar.cli.options import ConfigurationName, Pace, changing, compiling, console, written
 from drawbar.cli.pages import Pages, address, free_port, takes_pages
+from drawbar.configurations import CONFIGURATION_NAME
 
 LOCAL = "127.0.0.1"
 NO_KEYS = "standard input is no terminal: no key is read; use a terminal, or --console"
@@ -202,7 +203,7 @@ def _new_folder(chosen: FilePath | None, config: "Configuration") -> FilePath:
     folder = chosen or FilePath("runs") / time.strftime(f"{config.name}-drive-%Y%m%d-%H%M%S")
     try:
         folder.mkdir(parents=True)
-        (folder / "config.toml").write_text(config.to_toml(), "utf-8")
+        (folder / CONFIGURATION_NAME).write_text(config.to_toml(), "utf-8")
     except FileExistsError as error:
         raise DrawbarError(f"{folder} is there already; choose another --out folder") from error
     except OSError as error:

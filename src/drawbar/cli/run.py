@@ -6,14 +6,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drawbar.cli.options import ConfigurationName, changing, compiling, configured, console, written
+from drawbar.configurations import CONFIGURATION_NAME
 from drawbar.errors import DrawbarError, StorageError
 
 if TYPE_CHECKING:
     from drawbar.cli.interrupts import Interrupts
     from drawbar.config import Configuration
     from drawbar.simulation import Simulation
-
-CONFIGURATION_NAME = "config.toml"
 
 
 def run(

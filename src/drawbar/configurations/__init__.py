@@ -2,6 +2,9 @@
 
 from importlib import resources
 
+CONFIGURATION_NAME = "config.toml"
+"""file of a run's folder that holds its configuration"""
+
 
 def shipped_names() -> list[str]:
     """Return the names of the shipped configurations, sorted."""

@@ -22,12 +22,13 @@ from rich.console import Console
 from rich.table import Table
 
 from drawbar.config import load_configuration
+from drawbar.configurations import CONFIGURATION_NAME
 from drawbar.console.browsers import Place, Seen, draws, floods, reads_nothing
 from drawbar.console.drawing import moving
 from drawbar.console.painting import Painted, paint
 from drawbar.driving.messaging.console_options import ConsoleOptions
 from drawbar.driving.messaging.process_options import CONSOLE
-from drawbar.driving.processes.drive_processes import CONFIGURATION_NAME, DriveProcesses
+from drawbar.driving.processes.drive_processes import DriveProcesses
 from drawbar.driving.stand_in.demonstration import with_stand_ins
 from drawbar.messages import CommandMessage, Fixes
 from drawbar.recording.drive_records import open_drive

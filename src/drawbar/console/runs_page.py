@@ -13,6 +13,7 @@ from urllib.parse import quote
 
 from nicegui import ui
 
+from drawbar.configurations import CONFIGURATION_NAME
 from drawbar.console.audit import Audit
 from drawbar.console.link import Link
 from drawbar.console.page_head import PageHead, tell
@@ -21,11 +22,11 @@ from drawbar.console.run_events import run_events
 from drawbar.console.visitors import Visitor
 from drawbar.console.words import Words
 from drawbar.errors import DrawbarError
-from drawbar.recording.log import read_log
+from drawbar.recording.log import LOG_NAME, read_log
 from drawbar.recording.table import write_csv
 from drawbar.recording.tracks import write_geojson
 
-REPORT, MAP, CONFIGURATION, LOG = "report.html", "map.svg", "config.toml", "log.mcap"
+REPORT, MAP = "report.html", "map.svg"
 MOST = 1000
 """runs that are known, the newest"""
 _LISTED = 15
@@ -55,7 +56,7 @@ def list_runs(folder: Path) -> list[Run]:
     with suppress(OSError):
         for each in folder.iterdir():
             with suppress(OSError):  # somebody else has just deleted it
-                if each.is_dir() and (each / CONFIGURATION).is_file():
+                if each.is_dir() and (each / CONFIGURATION_NAME).is_file():
                     report = (each / REPORT).is_file()
                     runs.append(Run(name=each.name, time=each.stat().st_mtime, has_report=report))
     return sorted(runs, key=lambda run: run.time, reverse=True)[:MOST]
@@ -191,7 +192,7 @@ class RunsPage:
         self._show_all()
 
     def _is_there(self, run: Run) -> bool:
-        if (self._folder / run.name / CONFIGURATION).is_file():
+        if (self._folder / run.name / CONFIGURATION_NAME).is_file():
             return True
         self._tell_gone()
         return False
@@ -208,7 +209,7 @@ class RunsPage:
         if not self._is_there(run):
             return
         try:
-            log, is_on = self._folder / run.name / LOG, self._is_current(run)
+            log, is_on = self._folder / run.name / LOG_NAME, self._is_current(run)
             events = await asyncio.to_thread(run_events, log, self._words, is_on=is_on)
         except DrawbarError as error:
             tell(self._words.message(error))
@@ -228,7 +229,7 @@ class RunsPage:
         def content() -> bytes:
             with tempfile.TemporaryDirectory(prefix="drawbar-export-") as folder:
                 target = Path(folder) / f"run{suffix}"
-                write(read_log(self._folder / run.name / LOG), target)
+                write(read_log(self._folder / run.name / LOG_NAME), target)
                 return target.read_bytes()
 
         try:

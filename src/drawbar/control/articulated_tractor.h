@@ -38,10 +38,11 @@ static void fill(struct component *component, const struct drawbar_estimate *est
                  const struct drawbar_body_reference *reference, const struct drawbar_neighbour *neighbour)
 {
     struct rti *solver = &component->rti;
-    double changes[N + 1], cosines[N + 1], sines[N + 1];
+    double changes[N + 1], cosines[N + 1], sines[N + 1], targets[N + 1], slopes[N + 1];
 
     (void)neighbour;
     side_slip_changes(estimate, reference->samples, N + 1, changes, cosines, sines);
+    shared_targets(&component->shared, estimate, reference->samples, N + 1, targets, slopes);
     weigh_rate(solver, Y_STEERING_RATE, component->rate_weight, estimate->speed);
     for (int k = 0; k <= N; ++k) {
         const double *sample = reference->samples[k];
@@ -56,8 +57,8 @@ static void fill(struct component *component, const struct drawbar_estimate *est
         p[P_REFERENCE_Y] = sample[AT_Y];
         p[P_REFERENCE_YAW] = sample[AT_YAW];
         solver->y[k][Y_STEERING] = curvature_steering(&component->chain, estimate, sample[AT_CURVATURE]);
+        solver->y[k][Y_LATERAL_ERROR] = targets[k];
     }
-    shared_targets(&component->shared, estimate, reference->samples, N + 1, &solver->y[0][Y_LATERAL_ERROR], NY, NULL);
 }
 
 /* Linearise along the path itself, steered as its curvature asks. */

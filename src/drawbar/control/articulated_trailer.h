@@ -109,7 +109,7 @@ static int follow_line(struct component *component, const struct drawbar_estimat
 {
     struct line_targets targets = {.forward = forward, .left = left};
 
-    shared_targets(&component->shared, estimate, tractor->samples, N + 1, targets.lateral, 1, targets.slopes);
+    shared_targets(&component->shared, estimate, tractor->samples, N + 1, targets.lateral, targets.slopes);
     return follow_targets(component, estimate, tractor, &targets);
 }
 

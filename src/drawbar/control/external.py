@@ -21,7 +21,7 @@ import numpy as np
 from drawbar.codegen import Unit, Workspace
 from drawbar.control.settings import ExternalControllerSettings
 from drawbar.errors import ConfigurationError
-from drawbar.exchange import Layout
+from drawbar.signal_layout import Layout
 from drawbar.signals import BodyReference, Estimate, Reference
 from drawbar.vehicle.parameters import VehicleParameters
 

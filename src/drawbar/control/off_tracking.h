@@ -66,11 +66,10 @@ static inline double steady_target(const struct shared_error *shared, const stru
     return -shared->widening * curvature - (excess < 0.0 ? 0.0 : copysign(taken, remainder));
 }
 
-/* The lateral targets (m, left positive) at the next stages of the path (x, y, yaw, curvature), and the slopes (rad; or NULL)
- * at which they leave the line; the next call begins at the second. Targets are stride numbers apart. A first one
- * that is not finite is not kept. */
+/* The lateral targets (m, left positive) at the next stages of the path (x, y, yaw, curvature), and the slopes (rad) at which
+ * they leave the line; the next call begins at the second. A first one that is not finite is not kept. */
 static inline void shared_targets(struct shared_error *shared, const struct drawbar_estimate *estimate,
-                                  const double (*samples)[4], int stages, double *targets, int stride, double *slopes)
+                                  const double (*samples)[4], int stages, double *targets, double *slopes)
 {
     const double step = estimate->longitudinal_slip * estimate->speed * shared->sample_time;
     const double follows = -expm1(-step / shared->lag);
@@ -78,9 +77,8 @@ static inline void shared_targets(struct shared_error *shared, const struct draw
 
     for (int k = 0; k < stages; ++k) {
         const double left = steady_target(shared, estimate, samples[k][AT_CURVATURE]) - target;
-        targets[k * stride] = target;
-        if (slopes)
-            slopes[k] = left / shared->lag;
+        targets[k] = target;
+        slopes[k] = left / shared->lag;
         target += follows * left;
         if (k == 0 && isfinite(target))
             shared->next = target;

@@ -33,7 +33,7 @@ def actuation_unit(vehicle: VehicleParameters, settings: ActuationSettings, samp
         "sign": vehicle.joint_sign,
         "sample_time": sample_time,
         "settling": -np.expm1(-sample_time / settings.settling),
-        "residual": settings.odd,
+        "residual": settings.residual,
         "patience": settings.patience,
         "dead_time": _guess(vehicle, settings),
         "lags": 2 * [vehicle.steering_lag],

@@ -79,44 +79,50 @@ static inline void complete_trailer(const struct chain *chain, struct drawbar_me
     m->trailer_y = antenna[1];
 }
 
+/* A body's first attitude: an angle that is missing or implausible counts as zero. */
+static inline struct attitude first_attitude(const struct mast *mast, double roll, double pitch)
+{
+    const double leans = roll - mast->roll_offset, rises = pitch - mast->pitch_offset;
+
+    return (struct attitude){fabs(leans) <= MOST_LEAN ? leans : 0.0, fabs(rises) <= MOST_LEAN ? rises : 0.0};
+}
+
+/* Move a position (m) from its antenna to the ground, in place. */
+static inline void to_ground(const struct mast *mast, double yaw, struct attitude attitude, double *x, double *y)
+{
+    double arm[2];
+
+    lever_arm(mast, yaw, attitude.roll, attitude.pitch, arm);
+    *x -= arm[0];
+    *y -= arm[1];
+}
+
 /* The measurement that a run begins with: of a vehicle at rest, so that only the masts matter. Its yaws follow from both
  * antennas' positions. A missing position of the trailer follows from the tractor's yaw and the angles. */
 int UNIT(begin)(struct component *alignment, const struct drawbar_measurement *first,
                 struct drawbar_measurement *aligned)
 {
-    const double attitude[] = {first->tractor_roll, first->tractor_pitch, first->trailer_roll, first->trailer_pitch};
-    const struct mast *const tractor = &alignment->positions.masts[ALIGNED_TRACTOR];
-    const struct mast *const trailer = &alignment->positions.masts[ALIGNED_TRAILER];
-    double arms[4], yaws[ALIGNED], lean[4];
-
     static const struct drawbar_estimate nowhere = {.tractor = {(double)NAN, (double)NAN, (double)NAN}};
+    const struct mast *const front = &alignment->positions.masts[ALIGNED_TRACTOR];
+    const struct mast *const rear = &alignment->positions.masts[ALIGNED_TRAILER];
+    const struct attitude tractor = first_attitude(front, first->tractor_roll, first->tractor_pitch);
+    const struct attitude trailer = first_attitude(rear, first->trailer_roll, first->trailer_pitch);
+    double ahead[2], behind[2], tractor_yaw, trailer_yaw;
 
     *aligned = *first;
     judge_deviations(alignment, &nowhere, aligned);
-    const struct drawbar_measurement reported = *aligned;
-    for (int i = 0; i < 4; ++i) {
-        const struct mast *mast = i < 2 ? tractor : trailer;
-        const double angle = attitude[i] - (i % 2 ? mast->pitch_offset : mast->roll_offset);
-        lean[i] = fabs(angle) <= MOST_LEAN ? angle : 0.0;
-    }
-    if (!isfinite(reported.trailer_x + reported.trailer_y) && isfinite(reported.tractor_yaw)) {
-        lever_arm(tractor, reported.tractor_yaw, lean[0], lean[1], arms);
-        aligned->tractor_x = reported.tractor_x - arms[0];
-        aligned->tractor_y = reported.tractor_y - arms[1];
+    if (!isfinite(aligned->trailer_x + aligned->trailer_y) && isfinite(aligned->tractor_yaw)) {
+        to_ground(front, aligned->tractor_yaw, tractor, &aligned->tractor_x, &aligned->tractor_y);
         complete_trailer(&alignment->chain, aligned);
         return 0;
     }
-    lever_arm(tractor, gamma_at_rest(&reported), lean[0], lean[1], arms);
-    lever_arm(trailer, 0.0, lean[2], lean[3], arms + 2);
-    const double beyond[] = {arms[0] - arms[2], arms[1] - arms[3]};
-    if (!yaws_apart(&alignment->chain, &reported, beyond, &yaws[ALIGNED_TRACTOR], &yaws[ALIGNED_TRAILER]))
+    lever_arm(front, gamma_at_rest(aligned), tractor.roll, tractor.pitch, ahead);
+    lever_arm(rear, 0.0, trailer.roll, trailer.pitch, behind);
+    const double beyond[] = {ahead[0] - behind[0], ahead[1] - behind[1]};
+    if (!yaws_apart(&alignment->chain, aligned, beyond, &tractor_yaw, &trailer_yaw))
         return 0;
-    lever_arm(tractor, yaws[ALIGNED_TRACTOR], lean[0], lean[1], arms);
-    lever_arm(trailer, yaws[ALIGNED_TRAILER], lean[2], lean[3], arms + 2);
-    aligned->tractor_x = reported.tractor_x - arms[0];
-    aligned->tractor_y = reported.tractor_y - arms[1];
-    aligned->trailer_x = reported.trailer_x - arms[2];
-    aligned->trailer_y = reported.trailer_y - arms[3];
+    to_ground(front, tractor_yaw, tractor, &aligned->tractor_x, &aligned->tractor_y);
+    to_ground(rear, trailer_yaw, trailer, &aligned->trailer_x, &aligned->trailer_y);
     return 0;
 }
 
@@ -174,7 +180,7 @@ int UNIT(apply)(struct component *alignment, const struct drawbar_measurement *m
                    aligned);
     const int present[] = {attitude_is_new(&positions->tracks[ALIGNED_TRACTOR], since.now),
                            attitude_is_new(&positions->tracks[ALIGNED_TRAILER], since.now)};
-    return lean_watch_look(&positions->leans, present, since.elapsed);
+    return lean_watch_judge(&positions->leans, present, since.elapsed);
 }
 
 #endif

@@ -7,7 +7,7 @@ from drawbar.codegen import Component, build
 from drawbar.codegen.library import load
 from drawbar.estimation.actuation import actuation_unit
 from drawbar.estimation.settings import ActuationSettings
-from drawbar.exchange import Layout
+from drawbar.signal_layout import Layout
 from drawbar.signals import Actuation, Command, Measurement
 from drawbar.vehicle.parameters import VehicleParameters
 

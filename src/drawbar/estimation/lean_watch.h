@@ -102,7 +102,7 @@ static inline int lean_is_stuck(const struct lean_watch *watch, int body)
 }
 
 /* Judge a sample: 0, or the status with which the run ends. present: which bodies have a roll; elapsed in s. */
-static inline int lean_watch_look(struct lean_watch *watch, const int *present, double elapsed)
+static inline int lean_watch_judge(struct lean_watch *watch, const int *present, double elapsed)
 {
     int faulty = 0;
 

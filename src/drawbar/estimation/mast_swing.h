@@ -3,8 +3,8 @@
  * A mast of height h moves its antenna by -h sin(roll) to the left. Each fix, relative to dead reckoning by the estimator's speed
  * and yaw, measures the antenna's lateral position. A Kalman filter estimates with which gain that follows the reported roll,
  * along with offset and drift of the dead reckoning: 1 with a correct sensor, -1 with a reversed one, between with pure noise.
- * A body also rocks on its tyres, two or three times a second, and then a roll that is a fifth of a second later than anybody tells
- * is against the antenna's motion. So a second filter takes both averaged, and must not contradict.
+ * A body also rocks on its tyres, two or three times a second, and then a roll that is a fifth of a second older than reported
+ * contradicts the antenna's motion. So a second filter takes both averaged, and must agree before a sensor counts as reversed.
  */
 #ifndef DRAWBAR_MAST_SWING_H
 #define DRAWBAR_MAST_SWING_H

@@ -105,40 +105,44 @@ static inline void move_swing(struct mast_swing *swing, const struct since *sinc
         swing_begin(swing, expected);
 }
 
-/* Roll and pitch of a body at an age (s): by its own sensor, else by the recorded ground. */
-static inline void lean(struct position_alignment *positions, int body, const struct since *since, double age,
-                        const struct drawbar_pose *pose, double *roll, double *pitch)
+struct attitude {
+    double roll, pitch;                    /* rad */
+};
+
+/* The attitude of a body at an age (s), at which it was at a pose: by its own sensor, else by the recorded ground. */
+static inline struct attitude attitude_then(struct position_alignment *positions, int body, const struct since *since,
+                                            double age, const struct drawbar_pose *pose)
 {
     struct attitude_track *track = &positions->tracks[body];
     const double own = attitude_weight(track, since->now);
     const double back = body == ALIGNED_TRAILER ? positions->to_axle : 0.0;
     const int follows = body == ALIGNED_TRAILER && attitude_is_new(&positions->tracks[ALIGNED_TRACTOR], since->now);
-    double slope[2], recorded[2];
+    struct attitude measured, recorded;
+    double slope[2];
 
-    attitude_at(track, since->now - age, roll, pitch);
+    attitude_at(track, since->now - age, &measured.roll, &measured.pitch);
     ground_slope(&positions->ground, pose->x - back * cos(pose->yaw), pose->y - back * sin(pose->yaw), follows,
                  since->elapsed, &positions->local[body], slope);
-    lean_on(slope, pose->yaw, &recorded[0], &recorded[1]);
-    *roll = recorded[0] + own * (*roll - recorded[0]);
-    *pitch = recorded[1] + own * (*pitch - recorded[1]);
+    lean_on(slope, pose->yaw, &recorded.roll, &recorded.pitch);
+    return (struct attitude){recorded.roll + own * (measured.roll - recorded.roll),
+                             recorded.pitch + own * (measured.pitch - recorded.pitch)};
 }
 
-/* Update the antenna's swing with a fix and its body's roll. deviation: of the fix, as reported, m; fix: on the ground, m; arm:
- * the lever arm that was subtracted, m. */
+/* Update the antenna's swing with where it is (m) and its body's roll. deviation: of the fix, as reported, m. */
 static inline void watch_swing(struct position_alignment *positions, int body, const struct since *since, double age,
-                               double deviation, const double *fix, const double *arm)
+                               double deviation, const double *antenna)
 {
     const struct drawbar_pose *now = body_pose(since->expected, body);
     const struct mast *mast = &positions->masts[body];
     const struct attitude_track *track = &positions->tracks[body];
-    const double antenna[] = {fix[0] + arm[0] - now->x, fix[1] + arm[1] - now->y};
+    const double from_ground[] = {antenna[0] - now->x, antenna[1] - now->y};
     const double noise = isnan(deviation) ? positions->fix_deviation : deviation;
     double roll, pitch;
 
     if (!attitude_is_new(track, since->now))
         return;
     attitude_at(track, since->now - age, &roll, &pitch);
-    swing_update(&positions->leans.swings[body], to_left(now->yaw, antenna) - mast->left * cos(roll), -mast->up * sin(roll),
+    swing_update(&positions->leans.swings[body], to_left(now->yaw, from_ground) - mast->left * cos(roll), -mast->up * sin(roll),
                  noise, !lean_is_constant(&positions->leans.constant[body]), since->elapsed);
 }
 
@@ -151,11 +155,12 @@ static inline void align_fix(struct position_alignment *positions, int body, con
     const struct mast *mast = &positions->masts[body];
     struct reported_fix *known = &positions->fixes[body];
     const double reported[] = {fix[0], fix[1]};
-    double roll = 0.0, pitch = 0.0, arm[2] = {0.0, 0.0};   /* no mast: no arm */
-
+    const int has_mast = !mast_is_none(mast);
+    struct attitude attitude = {0.0, 0.0};
+    double arm[2] = {0.0, 0.0};
     const struct drawbar_pose then = pose_at_age(since, age, last, now);
-    if (!mast_is_none(mast))
-        lean(positions, body, since, age, &then, &roll, &pitch);
+    if (has_mast)
+        attitude = attitude_then(positions, body, since, age, &then);
     if (isnan(age)) {
         fix[0] = fix[1] = (double)NAN;
         return;
@@ -164,8 +169,8 @@ static inline void align_fix(struct position_alignment *positions, int body, con
         memcpy(fix, known->aligned, sizeof known->aligned);
         return;
     }
-    if (!mast_is_none(mast)) {
-        lever_arm(mast, then.yaw, roll, pitch, arm);
+    if (has_mast) {
+        lever_arm(mast, then.yaw, attitude.roll, attitude.pitch, arm);
         fix[0] -= arm[0];
         fix[1] -= arm[1];
     }
@@ -173,8 +178,10 @@ static inline void align_fix(struct position_alignment *positions, int body, con
         fix[0] += now->x - then.x;
         fix[1] += now->y - then.y;
     }
-    if (!mast_is_none(mast))
-        watch_swing(positions, body, since, age, deviation, fix, arm);
+    if (has_mast) {
+        const double antenna[] = {fix[0] + arm[0], fix[1] + arm[1]};
+        watch_swing(positions, body, since, age, deviation, antenna);
+    }
     memcpy(known->reported, reported, sizeof reported);
     memcpy(known->aligned, fix, sizeof known->aligned);
     known->known = isfinite(fix[0] + fix[1]);

@@ -16,8 +16,8 @@
 #include "sway.h"
 #include "trust.h"
 
-#define PAIR_LASTS 0.9                     /* for so long after two new fixes samples without both say nothing: receivers may report
-                                            * less often than samples are taken, s */
+#define PAIR_LASTS 0.9                     /* for so long after two new fixes samples without both say nothing: receivers may
+                                            * report less often than samples are taken, s */
 #define PAIR_WAIT 0.3                      /* for so long a fix waits for the other antenna's, s */
 #define COARSE 3.0                         /* nominal standard deviations; a fix beyond neither confirms nor suspects another */
 
@@ -45,7 +45,7 @@ struct screening {
     double length_error;                   /* mean error of the antennas' distance, m */
     time_stamp paired;                     /* when both receivers last had a new fix */
     int32_t refused;                       /* both fixes lay outside their gates then */
-    int32_t lengths;                       /* samples in it */
+    int32_t lengths;                       /* samples in the mean error */
 };
 
 #define SCREENING_FIELDS(type, prefix)                                                                       \
@@ -67,6 +67,16 @@ struct screened {
                                             * wrong as well */
     int32_t restart;                       /* both antennas overrule the estimate: it is to start anew from this
                                             * measurement */
+};
+
+/* Both fixes of a sample, compared with what is expected of them. */
+struct fix_pair {
+    double fixes[4];                       /* x, y of the tractor's and of the trailer's, m */
+    double reported[2];                    /* standard deviation of each, m; NaN: nominal */
+    double innovations[4];                 /* longitudinal and lateral, see antennas.h, m */
+    double length_innovation;              /* of the antennas' distance, m */
+    double widenings[2];                   /* of the gates, m */
+    int both;                              /* both antennas have a fix that may confirm the other */
 };
 
 /* How far the antenna has moved since the receiver first reported exactly this fix, m. */
@@ -100,11 +110,12 @@ static inline void screening_widenings(const struct screening *s, double time, d
         widenings[i] = s->growth * fmin(blind[0], blind[1]) + s->single_growth * blind[i] + turned;
 }
 
-/* Compare both fixes with each other by their innovations (4 values, m). */
-static inline void screening_compare(struct screening *s, double *innovations, const int *outside, double deviation,
+/* Compare both fixes with each other by their measured innovations (4 values, m). */
+static inline void screening_compare(struct screening *s, const double *measured, const int *outside, double deviation,
                                      double widening)
 {
-    const double white = noise_deviation(&s->noise);
+    const double white = noise_deviation(&s->noise), half = 0.5 * s->length_error; /* of the lengths' error, each antenna's */
+    const double innovations[] = {measured[0] - half, measured[1], measured[2] + half, measured[3]};
     const struct suspicion_limits limits = {
         .gate = s->lateral * deviation,
         .shift = s->shift * deviation,
@@ -114,8 +125,6 @@ static inline void screening_compare(struct screening *s, double *innovations, c
         .memory = s->memory,
     };
 
-    innovations[0] -= 0.5 * s->length_error; /* half of the configured lengths' error each */
-    innovations[2] += 0.5 * s->length_error;
     const double difference[] = {innovations[0] - innovations[2], innovations[1] - innovations[3]};
     noise_update(&s->noise, difference, 2.0 * limits.gate, s->long_memory);
     if (s->trust.earned)                   /* an estimate without confirmation cannot suspect an antenna */
@@ -152,27 +161,24 @@ static inline int screening_waits(const struct screening *s, double time)
     return time - s->paired < PAIR_LASTS;
 }
 
-/* Test both fixes against their gates and each other.
- *
- * reported: standard deviation of each fix, m, NaN: nominal; both: both have a fix that may confirm the other; deviation:
- * of one coordinate of a nominal fix, with sway, m. */
-static inline void screening_gate(struct screening *s, double time, const double *fixes, const double *expected,
-                                  const double *reported, int both, double deviation, int *outside)
+/* Test both fixes against their gates and each other. deviation: of one coordinate of a nominal fix, with sway, m. */
+static inline void screening_test(struct screening *s, double time, const struct fix_pair *pair, double deviation,
+                                  int *outside)
 {
-    const double by_speed = s->late * s->manoeuvre.change.speed;
-    double innovations[4], widenings[2], across[2];
+    const double by_speed = s->late * s->manoeuvre.change.speed, *widenings = pair->widenings;
+    const double widening = fmax(widenings[0], widenings[1]);
+    double across[2];
 
-    antenna_innovations(fixes, expected, innovations);
-    screening_widenings(s, time, distance(expected, expected + 2), widenings);
     for (int i = 0; i < 2; ++i) {
-        across[i] = s->lateral * fmax(deviation, reported[i]);
-        const double longitudinal = fmax(s->longitudinal, s->lateral * reported[i]) + widenings[i] + by_speed;
-        outside[i] = !(fabs(innovations[2 * i + 1]) <= across[i] + widenings[i] && fabs(innovations[2 * i]) <= longitudinal);
+        across[i] = s->lateral * fmax(deviation, pair->reported[i]);
+        const double longitudinal = fmax(s->longitudinal, s->lateral * pair->reported[i]) + widenings[i] + by_speed;
+        outside[i] = !(fabs(pair->innovations[2 * i + 1]) <= across[i] + widenings[i]
+                       && fabs(pair->innovations[2 * i]) <= longitudinal);
     }
-    if (both) {
+    if (pair->both) {
         s->paired = time;
-        screening_narrow(s, innovations, across, fmax(widenings[0], widenings[1]), outside);
-        screening_compare(s, innovations, outside, deviation, fmax(widenings[0], widenings[1]));
+        screening_narrow(s, pair->innovations, across, widening, outside);
+        screening_compare(s, pair->innovations, outside, deviation, widening);
     } else if (!screening_waits(s, time)) {
         s->refused = 0;
         noise_interrupt(&s->noise);
@@ -182,16 +188,12 @@ static inline void screening_gate(struct screening *s, double time, const double
 
 /* Whether the distance of the antennas is the mean one, or at first the configured one. Once they have confirmed the estimate,
  * the direction from one to the other must also be about the expected one. */
-static inline int screening_plausible(const struct screening *s, double time, const double *fixes,
-                                      const double *expected, double length_innovation)
+static inline int screening_plausible(const struct screening *s, const struct fix_pair *pair)
 {
-    double innovations[4], widenings[2];
+    const double turned = s->length + s->lateral * s->deviation + fmax(pair->widenings[0], pair->widenings[1]);
 
-    antenna_innovations(fixes, expected, innovations);
-    screening_widenings(s, time, distance(expected, expected + 2), widenings);
-    const double turned = s->length + s->lateral * s->deviation + fmax(widenings[0], widenings[1]);
-    return fabs(length_innovation - s->length_error) <= (s->lengths ? s->length : s->longitudinal)
-        && (!s->trust.earned || fabs(innovations[1] - innovations[3]) <= turned);
+    return fabs(pair->length_innovation - s->length_error) <= (s->lengths ? s->length : s->longitudinal)
+        && (!s->trust.earned || fabs(pair->innovations[1] - pair->innovations[3]) <= turned);
 }
 
 static inline void screening_learn(struct screening *s, double length_innovation)
@@ -201,36 +203,56 @@ static inline void screening_learn(struct screening *s, double length_innovation
 }
 
 /* The status of each receiver's fix; returns whether both have one that was not compared yet: receivers may report in turns.
- * Both are then in `fixes`, the older one moved along with its antenna. reported: as in screening_gate. */
-static inline int screening_receive(struct screening *s, double time, const double *expected, const double *reported,
-                                    double *fixes, int32_t *found)
+ * Both are then in the pair, the older one moved along with its antenna. */
+static inline int screening_receive(struct screening *s, double time, const double *expected, struct fix_pair *pair,
+                                    int32_t *found)
 {
     int waiting = 0;
 
     for (int i = 0; i < 2; ++i) {
         struct receiver *receiver = &s->receivers[i];
-        found[i] = receiver_fix(receiver, fixes + 2 * i, expected + 2 * i, s->repetition);
+        found[i] = receiver_fix(receiver, pair->fixes + 2 * i, expected + 2 * i, s->repetition);
         if (found[i] == DRAWBAR_FIX_ACCEPTED)
-            receiver->waiting = reported[i] > COARSE * s->deviation ? -(double)INFINITY : time;
+            receiver->waiting = pair->reported[i] > COARSE * s->deviation ? -(double)INFINITY : time;
         waiting += receiver->reported && time - receiver->waiting < PAIR_WAIT;
     }
-    if (waiting < 2)
-        return 0;
-    for (int i = 0; i < 2; ++i) {
+    for (int i = 0; i < 2 && waiting == 2; ++i) {
         struct receiver *receiver = &s->receivers[i];
         receiver->waiting = -(double)INFINITY;
         for (int j = 0; j < 2 && found[i] != DRAWBAR_FIX_ACCEPTED; ++j)
-            fixes[2 * i + j] = expected[2 * i + j] + (receiver->fix[j] - receiver->expected[j]);
+            pair->fixes[2 * i + j] = expected[2 * i + j] + (receiver->fix[j] - receiver->expected[j]);
     }
-    return 1;
+    return waiting == 2;
 }
 
-/* Reject the fixes that lie outside their gates or are suspect. */
-static inline void screening_reject(const struct screening *s, const int *outside, int32_t *found)
+/* Compare the fixes of a measurement with what is expected of them: x, y of the tractor's antenna and of the trailer's, m.
+ * `found` becomes the status of each. */
+static inline struct fix_pair screening_pair(struct screening *s, const struct drawbar_measurement *measurement,
+                                             const double *expected, int32_t *found)
 {
+    struct fix_pair pair = {
+        .fixes = {measurement->tractor_x, measurement->tractor_y, measurement->trailer_x, measurement->trailer_y},
+        .reported = {measurement->tractor_fix_deviation, measurement->trailer_fix_deviation},
+    };
+
+    pair.both = screening_receive(s, measurement->time, expected, &pair, found);
+    antenna_innovations(pair.fixes, expected, pair.innovations);
+    pair.length_innovation = antenna_length_error(pair.fixes, expected);
+    screening_widenings(s, measurement->time, distance(expected, expected + 2), pair.widenings);
+    return pair;
+}
+
+/* Reject the fixes that lie outside their gates or are suspect; returns how many, with one that waits for the other. */
+static inline int screening_reject(const struct screening *s, const int *outside, int32_t *found)
+{
+    int refused = 0;
+
     for (int i = 0; i < 2; ++i)
-        if (found[i] == DRAWBAR_FIX_ACCEPTED && (outside[i] || s->suspicion.suspect == TRACTOR_ANTENNA + i))
-            found[i] = DRAWBAR_FIX_REJECTED;
+        if (outside[i] || s->suspicion.suspect == TRACTOR_ANTENNA + i) {
+            found[i] = found[i] == DRAWBAR_FIX_ACCEPTED ? DRAWBAR_FIX_REJECTED : found[i];
+            ++refused;
+        }
+    return refused;
 }
 
 /* Put both fixes into a measurement. */
@@ -240,12 +262,6 @@ static inline void screening_place(const double *fixes, struct drawbar_measureme
     measurement->tractor_y = fixes[1];
     measurement->trailer_x = fixes[2];
     measurement->trailer_y = fixes[3];
-}
-
-/* How many of two fixes lie outside their gates or are suspect. */
-static inline int screening_refused(const struct screening *s, const int *outside)
-{
-    return (outside[0] || s->suspicion.suspect == TRACTOR_ANTENNA) + (outside[1] || s->suspicion.suspect == TRAILER_ANTENNA);
 }
 
 /* Start a screened measurement: of speed and steering angles single outliers are masked. */
@@ -296,28 +312,25 @@ static inline void screening_judge(struct screening *s, const struct drawbar_mea
 {
     screening_spikes(s, measurement, &screened->measurement);
     const struct motion motion = {screened->measurement.speed, yaw_rate};
-    double fixes[] = {measurement->tractor_x, measurement->tractor_y, measurement->trailer_x, measurement->trailer_y};
-    const double reported[] = {measurement->tractor_fix_deviation, measurement->trailer_fix_deviation};
-    const int both = screening_receive(s, measurement->time, expected, reported, fixes, screened->fixes);
-    const double length_innovation = antenna_length_error(fixes, expected), white = screening_white(s);
+    const double white = screening_white(s);
     const double sway = s->single_growth > 0.0 ? 0.0 : sway_variance(&s->suspicion, white); /* not observable without coupling */
     const int32_t before = s->suspicion.suspect;
     int outside[2];
 
     manoeuvre_update(&s->manoeuvre, &motion, s->settling);
-    screening_gate(s, measurement->time, fixes, expected, reported, both, sqrt(white * white + sway), outside);
-    screening_reject(s, outside, screened->fixes);
-    const int refused = screening_refused(s, outside);
-    const int agreeing = both && screening_plausible(s, measurement->time, fixes, expected, length_innovation);
-    screened->restart = (both || !screening_waits(s, measurement->time))
+    const struct fix_pair pair = screening_pair(s, measurement, expected, screened->fixes);
+    screening_test(s, measurement->time, &pair, sqrt(white * white + sway), outside);
+    const int refused = screening_reject(s, outside, screened->fixes);
+    const int agreeing = pair.both && screening_plausible(s, &pair);
+    screened->restart = (pair.both || !screening_waits(s, measurement->time))
         && trust_overruled(&s->trust, measurement->time, agreeing, refused, s->patience);
     screened->exposed = s->suspicion.suspect != before && !screened->restart ? s->suspicion.suspect : NEITHER;
     if (screened->restart) {
         suspicion_forget(&s->suspicion);
         screened->fixes[0] = screened->fixes[1] = DRAWBAR_FIX_ACCEPTED;
-        screening_place(fixes, &screened->measurement);
-    } else if (both && !refused) {
-        screening_learn(s, length_innovation);
+        screening_place(pair.fixes, &screened->measurement);
+    } else if (pair.both && !refused) {
+        screening_learn(s, pair.length_innovation);
     }
     screening_accept(s, measurement, screened);
     screening_weigh(s, sway, &screened->measurement);

@@ -1,7 +1,8 @@
 """The estimator section of a configuration: standard deviations only; weights are derived from them."""
 
 import math
-from typing import Annotated, Literal, Self
+from collections.abc import Mapping
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -58,10 +59,10 @@ class ScreeningSettings(Settings):
     long_memory: Annotated[int, Field(ge=1)] = 100
     """samples over which the deviation and the error of the antennas' distance (wrong lengths) are averaged"""
     late: NonNegative = 0.05
-    """by how much fixes may be late after the vehicle, or bodies after their wheels, without anybody telling, s: while
-    speed or yaw rate change, the gates widen by as much as that puts an antenna off"""
+    """unreported latency of fixes, or lag of bodies behind their wheels, for which the gates widen while speed or yaw
+    rate change, s"""
     settling: Annotated[int, Field(ge=1)] = 13
-    """samples in which the estimator takes up such a change"""
+    """samples in which the estimator compensates such a change"""
     length: Positive = 0.2
     """largest change of the antennas' distance with which they still agree with each other; across the vehicle
     one may be off as seen from the other by as much besides the gate, m"""
@@ -203,7 +204,7 @@ class SlideSettings(Settings):
     """of the slide at first, beyond what the creep makes of a slope that an attitude sensor shows, rad"""
     creep_prior: Annotated[float, Field(ge=0.0, le=1.0)] = 0.3
     """of the side-slip per side acceleration, of a slope or a curve, at first, and of the curve's beyond that of the
-    slope, rad per g; 0: none is looked for"""
+    slope, rad/g; 0: none is looked for"""
     constant_prior: PositiveAngle = 0.015
     """of what is the same in all headings, such as an antenna that stands 10 cm further aside than stated, 5 m from
     the other, rad"""
@@ -272,6 +273,8 @@ class IdealEstimatorSettings(Settings):
 class ActuationSettings(Settings):
     """What is found of the steerings' dead times, lags and rates during the run (docs/theory/identification.md)."""
 
+    former_keys: ClassVar[Mapping[str, str]] = {"odd": "residual"}
+
     identify: bool = False
     """find them, and plan with what was found; else they are what the vehicle section states"""
     guess: Annotated[NonNegative, Field(le=0.8)] = 0.2
@@ -280,7 +283,7 @@ class ActuationSettings(Settings):
     guess_deviation: Positive = 0.15
     """of that guess, s"""
     body_lag_per_speed: Annotated[NonNegative, Field(le=0.1)] = 0.02
-    """with `identify`: by how much the tractor turns later than its wheels stand, per speed, on firm ground, s^2/m;
+    """with `identify`: by how much the tractor turns later than its wheels stand, per speed, on firm ground, s²/m;
     tyres and inertia cause it, and no steering sensor shows it. Ground that creeps adds what the estimator knows of it,
     a yaw-rate sensor what it shows; the front wheels count as later by the sum. 0: by nothing, on any ground"""
     lag_deviation: Positive = 0.7
@@ -291,7 +294,7 @@ class ActuationSettings(Settings):
     """how many errors in a row say the same"""
     resolution: PositiveAngle = math.radians(0.3)
     """standard deviation of the measured steering angles, of their rounding for one, rad"""
-    odd: PositiveAngle = 0.1
+    residual: PositiveAngle = 0.1
     """error of a steering angle that no dead time and no lag explain, or motion that its sensor does not show: the
     sensor, the actuator or a driver, rad"""
     patience: Positive = 1.0

@@ -86,7 +86,7 @@ class Senses:
         report = self._find(sample, errors, history)
         hitch_error, speed_error, wheels_error, joint_error = errors[4:]
         hitch, speed, steering = map(history.seen, (delays.hitch_angle, delays.speed, delays.steering))
-        reported, resolution = delays.told, self._sensors.steering_resolution
+        reported, resolution = delays.reported, self._sensors.steering_resolution
         for body, sensor in self._attitude.items():
             report |= self._balance(body, sensor, history)
         if self._yaw.present:
@@ -118,8 +118,8 @@ class Senses:
             "tractor_y": fix[1],
             "trailer_x": fix[2],
             "trailer_y": fix[3],
-            "tractor_fix_age": delays.told * tractor.age,
-            "trailer_fix_age": delays.told * trailer.age,
+            "tractor_fix_age": delays.reported * tractor.age,
+            "trailer_fix_age": delays.reported * trailer.age,
         }
         for body, deviation in zip(("tractor", "trailer"), deviations[::2], strict=True):
             in_float = not math.isnan(deviation)
@@ -142,7 +142,7 @@ class Senses:
             f"{body}_roll": seen.roll + sensor.roll_bias + sensor.noise * noise[0],
             f"{body}_pitch": seen.pitch + sensor.pitch_bias + sensor.noise * noise[1],
             f"{body}_yaw_rate": seen.yaw_rate + sensor.yaw_rate_bias + sensor.yaw_rate_noise * noise[2],
-            f"{body}_attitude_age": delays.told * moment.age,
+            f"{body}_attitude_age": delays.reported * moment.age,
         }
 
     def _direction(self, history: History) -> dict[str, Any]:
@@ -150,7 +150,7 @@ class Senses:
         moment, noise = history.seen(self._delays.attitude), self._attitude_rng.standard_normal()
         return {
             "tractor_yaw": wrap(moment.tractor.yaw + self._yaw.bias + self._yaw.noise * noise),
-            "tractor_attitude_age": self._delays.told * moment.age,
+            "tractor_attitude_age": self._delays.reported * moment.age,
         }
 
 

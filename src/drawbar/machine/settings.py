@@ -1,7 +1,8 @@
 """Settings of the simulated machine; the defaults are those of docs/theory/simulated-machine.md."""
 
 import math
-from typing import Annotated, Literal, Self
+from collections.abc import Mapping
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, ValidationError, model_validator
 
@@ -202,7 +203,7 @@ class AttitudeSensorSettings(Settings):
     pitch_bias: Angle = 0.0
     """constant part of the pitch, rad"""
     yaw_rate_noise: NonNegativeAngle = math.radians(0.3)
-    """white part of the yaw rate, standard deviation, rad/s"""
+    """white part of the yaw rate, of which the trailer's is recorded only, standard deviation, rad/s"""
     yaw_rate_bias: Angle = 0.0
     """constant part of the yaw rate, rad/s"""
 
@@ -239,6 +240,8 @@ class Delay(Settings):
 class DelaySettings(Settings):
     """How old what the sensors report is."""
 
+    former_keys: ClassVar[Mapping[str, str]] = {"told": "reported"}
+
     fix: Delay = Delay()
     """of both positions"""
     hitch_angle: Delay = Delay()
@@ -247,7 +250,7 @@ class DelaySettings(Settings):
     """of both steering angles"""
     attitude: Delay = Delay()
     """of both bodies' roll, pitch and yaw rate, and the tractor's yaw"""
-    told: bool = True
+    reported: bool = True
     """the measurement says how old its values are"""
 
 

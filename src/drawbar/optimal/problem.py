@@ -24,7 +24,8 @@ class Bound:
     lower: float
     upper: float
     linear_penalty: float = math.inf
-    """cost of a violation, per unit, beside half the sum of squares; infinite: the bound is hard"""
+    """cost of a violation, per unit, beside half the sum of squares; infinite: the bound is hard; zero: the bound gives
+    way as far as the quadratic penalty lets it"""
     quadratic_penalty: float = 0.0
     """cost of a violation, per unit squared (half of it, as in 1/2 q v²)"""
 
@@ -45,10 +46,15 @@ class Bound:
                 f"A bound needs lower < infinity and upper > -infinity, got lower = {self.lower} and upper = "
                 f"{self.upper}: no number lies between; give a finite one, or exchange the signs."
             )
-        if not (self.linear_penalty > 0.0 and 0.0 <= self.quadratic_penalty < math.inf):
+        if not (self.linear_penalty >= 0.0 and 0.0 <= self.quadratic_penalty < math.inf):
             raise SolverError(
-                f"A bound needs linear_penalty > 0 (infinite: hard) and a finite quadratic_penalty >= 0, got "
+                f"A bound needs linear_penalty >= 0 (infinite: hard) and a finite quadratic_penalty >= 0, got "
                 f"{self.linear_penalty} and {self.quadratic_penalty}."
+            )
+        if self.linear_penalty + self.quadratic_penalty == 0.0:
+            raise SolverError(
+                "A bound needs a linear_penalty or a quadratic_penalty above 0, got 0 for both: it would bound "
+                "nothing; leave it out, or give one."
             )
 
 

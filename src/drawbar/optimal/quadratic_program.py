@@ -56,8 +56,8 @@ class QuadraticProgram:
 
     Data are Q, S, R, A, B, c, g, initial, lower, upper, soft_linear, soft_quadratic and bound; the solution is z, pi
     and multiplier. The variables z are x_0 .. x_N, then u_0 .. u_{N-1}; `bound` holds the bounded ones' indices. A
-    finite `soft_linear` makes a bound soft. All matrices are zero at first, all bounds infinite and hard. qp.h has the
-    problem's formula.
+    finite `soft_linear` makes a bound soft; it may be zero where `soft_quadratic` is positive. All matrices are zero at
+    first, all bounds infinite and hard. qp.h has the problem's formula.
     """
 
     def __init__(self, sizes: Sizes) -> None:

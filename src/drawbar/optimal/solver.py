@@ -102,11 +102,6 @@ class RealTimeIteration(Guarded):
         """Interior-point iterations of the last feedback; 0 when no bound was in the way."""
         return int(self.workspace.array("qp.iterations")[0])
 
-    @property
-    def kkt(self) -> float:
-        """Relative KKT residual of the last quadratic program."""
-        return float(self.workspace.array("qp.kkt")[0])
-
 
 class ControlSolver(RealTimeIteration):
     """Real-time iteration for a ControlProblem.

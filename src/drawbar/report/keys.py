@@ -17,7 +17,7 @@ from drawbar.config import Configuration
 from drawbar.declared_words import declared_words
 from drawbar.settings import FASTEST, HIGHEST, LONGEST, Settings, mast_height, metres, metres_per_second, radians
 
-_UNIT = r"(?:1/)?(?:rad|m|s)[²³]?(?:/(?:rad|m|s|\(m s\))[²³]?)?"
+_UNIT = r"(?:1/)?(?:rad|m|s|kg|Nm|Hz)[²³]?(?:/(?:rad|m|s|g|\(m s\))[²³]?)?"
 _WITHIN: dict[Any, str] = {
     radians: f"±{math.pi:.4g}",
     metres: f"±{LONGEST:g}",
@@ -113,8 +113,8 @@ def _key(name: str, field: FieldInfo, words: str, value: Any) -> Key:
 
 
 def _unit(text: str) -> tuple[str, str]:
-    """Return the unit that ends a description's first sentence, or begins it, and the text without it."""
-    if found := re.search(rf", ({_UNIT})(?=[;.]|$)", text):
+    """Return the unit that ends a description's first statement, or begins it, and the text without it."""
+    if found := re.search(rf", ({_UNIT})(?=[:;.]|$)", text):
         return found[1], text[: found.start()] + text[found.end() :]
     if found := re.match(rf"({_UNIT})(?:[,;:] |$)", text):
         return found[1], text[found.end() :]

@@ -90,8 +90,8 @@ static inline double hitch_stuck(struct hitch_watch *watch, double reported, dou
 
 /* Judge a step: 0, or the status with which the run ends. reported: by the sensor; m: brought up to now; departure: of the
  * fixes' yaw from the yaw rate, rad, NaN: unknown. */
-static inline int hitch_look(struct hitch_watch *watch, double reported, const struct drawbar_measurement *m,
-                             const struct drawbar_estimate *estimate, double departure, double elapsed)
+static inline int hitch_judge(struct hitch_watch *watch, double reported, const struct drawbar_measurement *m,
+                              const struct drawbar_estimate *estimate, double departure, double elapsed)
 {
     if (!watch->initialised) {
         watch->baseline = HITCH_PRIOR * HITCH_PRIOR;

@@ -183,10 +183,10 @@ static inline double share_of_swings(struct component *sanity, int32_t swings, d
 
 /* Judge one step, as it was reported and as it was aligned: returns 0 or the status with which the run ends; `share`
  * becomes the part of the set speed that may be driven. departure: see yaw_witness.h, rad. */
-int UNIT(look)(struct component *sanity, const struct drawbar_measurement *reported,
-               const struct drawbar_measurement *measurement, const struct drawbar_estimate *estimate,
-               const struct drawbar_body_reference *tractor, const struct drawbar_body_reference *trailer, double departure,
-               double *share)
+int UNIT(judge)(struct component *sanity, const struct drawbar_measurement *reported,
+                const struct drawbar_measurement *measurement, const struct drawbar_estimate *estimate,
+                const struct drawbar_body_reference *tractor, const struct drawbar_body_reference *trailer, double departure,
+                double *share)
 {
     if (!sanity->initialised) {
         sanity->last_fine = sanity->last_new = sanity->last_none = sanity->moved_to = sanity->time = measurement->time;
@@ -197,7 +197,7 @@ int UNIT(look)(struct component *sanity, const struct drawbar_measurement *repor
     fine_fixes(sanity, measurement, fixes);
     const int backwards = moves_backwards(sanity, measurement, fixes, estimate);
     const int jumped = has_jumped(sanity, measurement->time, fixes, estimate);
-    const int contradiction = hitch_look(&sanity->hitch, reported->hitch_angle, measurement, estimate, departure, elapsed);
+    const int contradiction = hitch_judge(&sanity->hitch, reported->hitch_angle, measurement, estimate, departure, elapsed);
     sanity->time = measurement->time;
     const int32_t swings = swings_of(sanity, estimate, tractor, trailer);
 

@@ -68,7 +68,7 @@ class Measurement:
     trailer_pitch: Radians = math.nan
     """nose up positive"""
     trailer_yaw_rate: RadiansPerSecond = math.nan
-    """counter-clockwise positive"""
+    """counter-clockwise positive; recorded only, nothing uses it"""
     tractor_fix_age: Seconds = 0.0
     """of the tractor's position at the time of the sample; 0: not reported, `sensors.fixes.age` is used"""
     trailer_fix_age: Seconds = 0.0

@@ -52,6 +52,7 @@ struct interior_point {
     double infeasible;                     /* by how much the best certificate so far proves that there is no point */
     double before;                         /* residual of the iteration before */
     int32_t stalled;                       /* long steps since it last fell */
+    int32_t short_steps;                   /* one after the other */
     int32_t astray;                        /* steps that the second-order term led away from the solution */
     double exists[NSLOTS], soft[NSLOTS], offset[NSLOTS], linear[NSLOTS], quadratic[NSLOTS];
     double t[NSLOTS], lambda[NSLOTS], v[NSLOTS], sigma[NSLOTS];

@@ -25,6 +25,8 @@
 #define LOOSEN_BY 100.0                    /* each time more, */
 #define LOOSEST 1e-5                       /* at most */
 #define LOOSEN_OUTSIDE 1e-7                /* but only where bounds are violated by less: else there may be no point */
+#define SHORT_STEP 0.2                     /* a step less than this is short; */
+#define SHORT_STEPS 3                      /* so many one after the other: distances and multipliers are too small */
 #define FARKAS_EVERY 2                     /* iterations between two looks for a certificate */
 
 /* Largest of many non-negative numbers. */
@@ -258,9 +260,29 @@ static double ip_iterate(struct qp *restrict s, struct interior_point *restrict 
     return step;
 }
 
-/* Loosen where long steps no longer get anywhere. */
+/* Where short steps follow one another, distances and multipliers are far too small for what lies ahead: the first of them to
+ * reach zero ends each step. Take them to be as large as a whole Newton step would make them. Returns 0 where the
+ * factorisation fails. */
+static SELDOM double ip_widen(struct qp *restrict s, struct interior_point *restrict ip, int stages)
+{
+    ip_look(s, ip);
+    if (!ip_step(s, ip, 0.0, 0.0, stages))
+        return 0.0;
+    for (int m = 0; m < 2 * NLOWER; ++m) {
+        ip->t[m] = largest(ip->t[m], ip->t[m] + ip->dt[m]);
+        ip->lambda[m] = largest(ip->lambda[m], ip->lambda[m] + ip->dlambda[m]);
+        ip->v[m] = largest(ip->v[m], ip->v[m] + ip->dv[m]);
+        ip->sigma[m] = largest(ip->sigma[m], ip->sigma[m] + ip->dsigma[m]);
+    }
+    ip_publish(s, ip);
+    ip->before = (double)INFINITY;
+    return 1.0;
+}
+
+/* Count short steps, and loosen where long ones no longer get anywhere. */
 static void ip_watch(const struct qp *restrict s, struct interior_point *restrict ip, double step)
 {
+    ip->short_steps = step < SHORT_STEP ? ip->short_steps + 1 : 0;
     ip->stalled = s->kkt > STALL_RATIO * ip->before && step > 0.5 ? ip->stalled + 1 : 0;
     ip->before = s->kkt < ip->before ? s->kkt : ip->before;
     if (ip->stalled >= STALLED && ip_outside(s) < LOOSEN_OUTSIDE && ip_loosen(ip))
@@ -285,7 +307,7 @@ static int qp_interior_point(struct qp *s, struct interior_point *ip, int32_t *l
         return NOT_FINITE;
     for (s->iterations = 1; s->iterations <= IP_ITERATIONS && *left > 0; ++s->iterations) {
         --*left;
-        const double step = ip_iterate(s, ip, stages);
+        const double step = ip->short_steps < SHORT_STEPS ? ip_iterate(s, ip, stages) : ip_widen(s, ip, stages);
         if (step == 0.0 && best->kkt > CHECK_TOLERANCE && ip_loosen(ip))
             continue;
         stages = bounded;

@@ -10,7 +10,7 @@
 #define FAR_OUT 1e3                        /* times the largest bound: no start lies further out than that */
 #define NEAR 1e-3                          /* of its kind's size: no start lies nearer to a bound than that; */
 #define DRAWN 0.1                          /* or than that, where it was drawn in from far out */
-#define FLAT 1e-12                         /* of the largest curvature: as much as none */
+#define FLAT 1e-12                         /* of the largest curvature, of the room around a variable: as much as none */
 #define DAMPING 1e-8                       /* of the curvature, where the cost leaves something undetermined */
 
 /* Curvature of the cost to go along bounded variable i, as factorised. A state without any, such as a bounded output, has that
@@ -157,16 +157,25 @@ static SELDOM double ip_approach(struct qp *restrict s, struct interior_point *r
     return DRAWN;
 }
 
+/* The violation v of a soft side whose complementarity equals that of its distance: v sigma = pair, with
+ * sigma = spare + growth v. */
+static inline double ip_start_violation(double spare, double growth, double pair)
+{
+    return 2.0 * pair / (spare + sqrt(spare * spare + 4.0 * growth * pair));
+}
+
 /* Start from the solution without bounds, with every distance pushed well inside. */
 static SELDOM void ip_start(struct qp *restrict s, struct interior_point *restrict ip, double near)
 {
-    double worst[NX + NU] = {0.0}, size[NX + NU] = {0.0}, curve[NX + NU] = {0.0}, flat = 0.0;
+    double worst[NX + NU] = {0.0}, size[NX + NU] = {0.0}, curve[NX + NU] = {0.0}, flat = 0.0, room[NX + NU];
     const struct ip_damping damping = ip->damping;
 
     memset(ip, 0, sizeof *ip);
     ip->damping = damping;
     for (int m = 0; m < 2 * NLOWER; ++m)
         ip->t[m] = ip->distance[m] = 1.0;
+    for (int j = 0; j < NX + NU; ++j)
+        room[j] = (double)INFINITY;
     for (int i = 0; i < NZ; ++i)
         size[kind_of(i)] = largest(size[kind_of(i)], s->z[i]);
     for (int m = 0; m < NSIDES; ++m) {
@@ -179,9 +188,12 @@ static SELDOM void ip_start(struct qp *restrict s, struct interior_point *restri
         ip->offset[slot] = m % 2 == 0 ? -bound : bound;
         ip->pairs += 1.0;
         worst[kind] = largest(worst[kind], distance < 0.0 ? distance : 0.0);
+        room[kind] = fabs(distance) < room[kind] ? fabs(distance) : room[kind];
         curve[kind] = largest(curve[kind], ip_curvature(s, m / 2));
         flat = largest(flat, curve[kind]);
     }
+    for (int j = 0; j < NX + NU; ++j)      /* a kind that stays at zero has no size of its own */
+        size[j] = size[j] > FLAT * room[j] ? size[j] : room[j];
     flat = FLAT * (flat > 0.0 && flat < 1.0 ? flat : 1.0);
     for (int m = 0; m < NSIDES; ++m) {
         const int slot = m % 2 * NLOWER + m / 2, kind = kind_of(s->bound[m / 2]);
@@ -195,12 +207,13 @@ static SELDOM void ip_start(struct qp *restrict s, struct interior_point *restri
         ip->ease[slot] = 1.0 / (curve[kind] > flat ? curve[kind] : flat);
         lambda = margin * margin * (curvature > flat ? curvature : flat) / ip->t[slot];
         if (price < (double)INFINITY) {            /* starts where its own multipliers add up to the violation's price */
-            lambda = lambda < 0.5 * price ? lambda : 0.5 * price;
+            const double growth = s->soft_quadratic[m / 2], most = 0.5 * (price + growth * ip->t[slot]);
+            lambda = lambda < most ? lambda : most;
             ip->soft[slot] = 1.0;
             ip->linear[slot] = price;
-            ip->quadratic[slot] = s->soft_quadratic[m / 2];
-            ip->v[slot] = lambda * ip->t[slot] / (price - lambda);
-            ip->sigma[slot] = price + ip->quadratic[slot] * ip->v[slot] - lambda;
+            ip->quadratic[slot] = growth;
+            ip->v[slot] = ip_start_violation(price - lambda, growth, lambda * ip->t[slot]);
+            ip->sigma[slot] = price + growth * ip->v[slot] - lambda;
             ip->pairs += 1.0;
         }
         ip->lambda[slot] = lambda;

@@ -12,12 +12,28 @@
 #include "interior_point.h"
 #include "lent.h"
 
-/* Once more where the sweep without bounds was not the answer: damped, from its own start. */
+/* Does s->z respect every bound, soft ones too? */
+static int bounds_respected(const struct qp *s)
+{
+    int violated = 0;
+
+    for (int i = 0; i < NB; ++i) {
+        const double value = s->z[s->bound[i]];
+        violated |= (value < s->lower[i]) | (value > s->upper[i]);
+    }
+    return !violated;
+}
+
+/* Once more where the sweep without bounds was not the answer: damped, from its own start, which may be the answer. */
 static SELDOM int qp_damped(struct qp *s, struct interior_point *ip, int32_t *left, int reason)
 {
+    double gradient[NZ], defect[N][NX];
+
     s->factored = 0;
     if (!ip_damp(s, ip))
         return reason;
+    if (bounds_respected(s) && kkt_check(s, 0, gradient, defect) == SOLVED)
+        return SOLVED;
     const int status = qp_interior_point(s, ip, left);
     return status == SOLVED || status == INFEASIBLE ? status : reason;
 }
@@ -74,16 +90,10 @@ static int qp_active(struct qp *s, union bounds_work *work)
  * respects all bounds; where not, s holds the one without bounds. */
 static int qp_solve_free(struct qp *s, struct active_set *active)
 {
-    int violated = 0;
-
     if (bounds_at_first(s))
         return qp_first_set(s, active);
     qp_solve(s, s->g, (const double (*)[NX])s->c, s->initial, s->z, s->pi);
-    for (int i = 0; i < NB; ++i) {
-        const double value = s->z[s->bound[i]];
-        violated |= (value < s->lower[i]) | (value > s->upper[i]);
-    }
-    return !violated;
+    return bounds_respected(s);
 }
 
 /* One sweep (factored beforehand if s->factored) when no bound is active, an active set where that settles, the interior
@@ -99,8 +109,8 @@ static int qp_optimise(struct qp *s, struct lent *lent)
     memset(s->multiplier, 0, sizeof s->multiplier);
     memset(s->violation, 0, sizeof s->violation);
     for (int i = 0; i < NB; ++i)
-        invalid |= !(s->lower[i] <= s->upper[i]) | !(s->soft_linear[i] > 0.0) | !(s->soft_quadratic[i] >= 0.0)
-            | !(s->soft_quadratic[i] < (double)INFINITY);
+        invalid |= !(s->lower[i] <= s->upper[i]) | !(s->soft_linear[i] >= 0.0) | !(s->soft_quadratic[i] >= 0.0)
+            | !(s->soft_quadratic[i] < (double)INFINITY) | !(s->soft_linear[i] + s->soft_quadratic[i] > 0.0);
     if (invalid)
         return BAD_INPUT;
     if (!FREE_INITIAL && s->factored == FACTORED_KEPT && qp_judged(s, &work->held) == HELD_SETTLED)

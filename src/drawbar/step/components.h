@@ -106,10 +106,10 @@ int drawbar_trailer_law_apply(const struct component *component, const struct dr
                               struct drawbar_body_steering *steering);
 
 int drawbar_sanity_initialise(struct component *component);
-int drawbar_sanity_look(struct component *component, const struct drawbar_measurement *reported,
-                        const struct drawbar_measurement *measurement, const struct drawbar_estimate *estimate,
-                        const struct drawbar_body_reference *tractor, const struct drawbar_body_reference *trailer,
-                        double departure, double *share);
+int drawbar_sanity_judge(struct component *component, const struct drawbar_measurement *reported,
+                         const struct drawbar_measurement *measurement, const struct drawbar_estimate *estimate,
+                         const struct drawbar_body_reference *tractor, const struct drawbar_body_reference *trailer,
+                         double departure, double *share);
 
 int drawbar_gate_initialise(struct component *component);
 int drawbar_gate_begin(struct component *component, const struct drawbar_measurement *first);

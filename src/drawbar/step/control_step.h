@@ -194,8 +194,8 @@ static int watch_run(struct autopilot *a, const struct drawbar_measurement *meas
         return DRAWBAR_BLIND;
     default:
         drawbar_alignment_departure(COMPONENT(a->alignment), &departure);
-        ended = drawbar_sanity_look(COMPONENT(a->sanity), measurement, aligned, now, tractor,
-                                    &a->made.references[TRAILER_BODY], departure, &a->sane);
+        ended = drawbar_sanity_judge(COMPONENT(a->sanity), measurement, aligned, now, tractor,
+                                     &a->made.references[TRAILER_BODY], departure, &a->sane);
         return ended == DRAWBAR_JUMPED && a->released ? 0 : ended; /* an engagement begins where the vehicle is then */
     }
 }

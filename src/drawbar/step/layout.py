@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drawbar.errors import DrawbarError, SignalError
-from drawbar.exchange import Members, base_of, members_of, note_of
+from drawbar.signal_layout import Members, base_of, members_of, note_of
 from drawbar.signals import Array, Quantity, StepRecord
 
 _DEVIATIONS = 4

@@ -9,7 +9,7 @@ from struct import Struct
 
 import numpy as np
 
-from drawbar.exchange import Layout
+from drawbar.signal_layout import Layout
 from drawbar.signals import Command, Measurement, StepRecord, Truth
 from drawbar.step.layout import StepLayout, made_of
 from drawbar.step.library import StepLibrary

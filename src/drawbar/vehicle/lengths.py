@@ -9,7 +9,7 @@ from drawbar.vehicle.parameters import VehicleParameters
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Lengths:
-    """What the equations of motion know of the vehicle, as SX symbols, m; see VehicleParameters."""
+    """What the equations of motion know of the vehicle, SX symbols or numbers, m; see VehicleParameters."""
 
     wheelbase: Any
     hitch_length: Any
@@ -17,6 +17,11 @@ class Lengths:
     drawbar_length: Any
     trailer_length: Any
     trailer_antenna: Any
+
+
+def length_values(vehicle: VehicleParameters) -> Lengths:
+    """Return the lengths as numbers, m."""
+    return Lengths(**{each.name: getattr(vehicle, each.name) for each in fields(Lengths)})
 
 
 def lengths_of(vehicle: VehicleParameters) -> tuple[Lengths, tuple[Constant, ...]]:

@@ -5,6 +5,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from drawbar.geometry import arm_offset
 from drawbar.settings import Length, MastHeight, NonNegativeLength, Offset, Positive, PositiveAngle, Settings
 
 SteeringAngle = Annotated[PositiveAngle, Field(lt=math.radians(80.0))]
@@ -37,6 +38,19 @@ class Mast(Settings):
     def arm(self) -> tuple[float, float, float]:
         """Forward, left, up, m."""
         return self.forward, self.left, self.up
+
+    def measured_offset(self, yaw: float, roll: float, pitch: float) -> tuple[float, float]:
+        """Return how far east and north of its body's point the antenna stands, m.
+
+        Args:
+            yaw: of the body, rad.
+            roll: that the attitude sensor measures, rad; NaN: the body counts as level.
+            pitch: the same.
+        """
+        lean, tilt = (
+            angle if math.isfinite(angle) else 0.0 for angle in (roll - self.roll_offset, pitch - self.pitch_offset)
+        )
+        return arm_offset(yaw, lean, tilt, self.arm)
 
 
 class Masts(Settings):

@@ -18,7 +18,7 @@ def is_sum(point, segments):
     return linprog(np.zeros(len(segments)), A_eq=segments.T, b_eq=point, bounds=(-1.0, 1.0)).success
 
 
-def test_closed_forms():
+def test_largest_box_in_simple_sets_is_that_of_the_closed_form():
     assert inner_box(np.diag([1.0, 2.0, 3.0]), np.array([1.0, 2.0, 3.0])) == pytest.approx([1.0, 2.0, 3.0])
     assert inner_box(np.diag([1.0, 2.0, 3.0]), np.ones(3)) == pytest.approx(np.ones(3))
     # a square on its tip, with half-diagonals of 2, and one segment alone, which holds no box

@@ -31,14 +31,14 @@ def epoch(wheels, ground):
 )
 def test_more_than_slip_is_a_contradiction(wheels, ground, found):
     speeds = ContradictingSpeeds()
-    speeds.hear(epoch(wheels, ground))
+    speeds.receive_fixes(epoch(wheels, ground))
     assert speeds.found is found
 
 
 def test_an_epoch_without_the_antennas_speed_changes_nothing():
     speeds = ContradictingSpeeds()
     for wheels, ground, found in [(0.0, math.nan, False), (0.0, 2.0, True), (2.0, math.nan, True), (2.0, 2.0, False)]:
-        speeds.hear(epoch(wheels, ground))
+        speeds.receive_fixes(epoch(wheels, ground))
         assert speeds.found is found
 
 

@@ -8,7 +8,8 @@ from types import SimpleNamespace
 import pytest
 from ordinary import measured
 
-from drawbar.driving.fault_detection.fault_exclusion import CONFIRMED, FaultExclusion
+from drawbar.driving.fault_detection.confirmation import CONFIRMED
+from drawbar.driving.fault_detection.fault_exclusion import FaultExclusion
 from drawbar.safety.sanity import SanitySettings
 from drawbar.signals import FixStatus, SolverStatus
 from drawbar.vehicle.parameters import VehicleParameters

@@ -45,7 +45,7 @@ def found(
         values = dict.fromkeys((field.name for field in fields(Fixes)), 0) | {"epoch": round((1.0 + time) * 1e9)}
         values |= {"time": values["epoch"] + round(late * 1e9)}
         values |= {"tractor_speed": speed, "tractor_course": math.remainder(course, math.tau), "tractor_yaw": yaw}
-        detector.hear(Fixes(**values), sign * angle, suspected=suspected)
+        detector.receive_fixes(Fixes(**values), sign * angle, suspected=suspected)
         first = min(first, time) if detector.found else first
         heading += speed * curvature * sample_time
     return first, detector.found
@@ -100,7 +100,7 @@ def test_it_stays_found_on_a_straight_until_the_opposite_shows():
         angle = 10.0 * DEGREE * math.sin(0.2 * k)
         values = dict.fromkeys((field.name for field in fields(Fixes)), 0) | {"epoch": 10**9 + k * 200_000_000}
         values |= {"tractor_speed": 1.0, "tractor_course": math.remainder(heading, math.tau)}
-        signs.hear(Fixes(**values | {"tractor_yaw": math.nan}), -angle if k < 60 else angle)
+        signs.receive_fixes(Fixes(**values | {"tractor_yaw": math.nan}), -angle if k < 60 else angle)
         heading += 0.2 * math.tan(angle) / VehicleParameters().wheelbase
         assert signs.found or not 40 < k < 60
     assert not signs.found
@@ -138,7 +138,7 @@ def mirrored_rehearsal(speed):
 
 
 def reported(rehearsal):
-    return [BY_CODE[code] for code in rehearsal.loop._controller._notices.codes if code]
+    return [BY_CODE[code] for code in rehearsal.loop._controller._faults.notices if code]
 
 
 def test_a_slow_drive_with_it_is_stopped_and_named():

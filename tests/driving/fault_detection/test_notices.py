@@ -45,11 +45,11 @@ class Told:
         """Let epochs pass, five a second; return what is told."""
         for i in range(round(5 * begin), round(5 * end)):
             values = dict.fromkeys((field.name for field in fields(Fixes)), 0) | {"epoch": round(0.2e9 * i) + 10**9}
-            self.notices.hear_fixes(Fixes(**(values | {"tractor_heard": 1, "trailer_heard": 1} | given)))
+            self.notices.receive_fixes(Fixes(**(values | {"tractor_heard": 1, "trailer_heard": 1} | given)))
         return self.step()
 
     def gate(self, state):
-        self.notices.hear(SimpleNamespace(state=state))
+        self.notices.receive_gate(SimpleNamespace(state=state))
 
 
 @pytest.fixture
@@ -57,7 +57,7 @@ def told():
     return Told()
 
 
-def test_receivers_that_never_mean_the_same_time_are_told_by_that(told):
+def test_receivers_that_never_mean_the_same_time_are_reported_by_that(told):
     assert not told.hear(0.0, 1.0)
     for k in range(20):
         found = told.hear(1.0 + 0.2 * k, 1.2 + 0.2 * k, **{f"{('tractor', 'trailer')[k % 2]}_heard": 0})
@@ -67,19 +67,19 @@ def test_receivers_that_never_mean_the_same_time_are_told_by_that(told):
 
 
 @pytest.mark.parametrize("silent", ["tractor_heard", "trailer_heard"])
-def test_a_receiver_that_falls_silent_is_told_and_one_lost_epoch_is_not(told, silent):
+def test_a_receiver_that_falls_silent_is_reported_and_one_lost_epoch_is_not(told, silent):
     assert told.hear(0.0, 2.0) == []
     assert told.hear(2.0, 2.4, **{silent: 0}) == []
     assert told.hear(2.4, 3.0, **{silent: 0}) == [Cause.RECEIVER_SILENT]
     assert told.hear(3.0, 3.2) == []
 
 
-def test_a_receiver_that_was_never_there_is_not_told(told):
+def test_a_receiver_that_was_never_there_is_not_reported(told):
     assert told.hear(0.0, 5.0, trailer_heard=0) == []
 
 
 @pytest.mark.parametrize("silent", ["hitch_angle", "wheel_speed"])
-def test_a_sensor_that_falls_silent_is_told_and_one_that_there_is_not_is_not(told, silent):
+def test_a_sensor_that_falls_silent_is_reported_and_one_that_there_is_not_is_not(told, silent):
     assert told.hear(0.0, 5.0, **{silent: math.nan}) == []
     assert told.hear(5.0, 6.0) == []
     assert told.hear(6.0, 6.4, **{silent: math.nan}) == []
@@ -87,13 +87,13 @@ def test_a_sensor_that_falls_silent_is_told_and_one_that_there_is_not_is_not(tol
 
 
 @pytest.mark.parametrize("fixes", [(REJECTED, ACCEPTED), (ACCEPTED, REJECTED), (REJECTED, FixStatus.MISSING)])
-def test_one_antenna_that_is_not_believed_three_times_is_told(told, fixes):
+def test_one_antenna_that_is_not_believed_three_times_is_reported(told, fixes):
     assert [told.step(fixes=fixes) for _ in range(3)] == [[], [], [Cause.POSITION_REJECTED]]
     assert told.step() == []
     assert [told.step(fixes=(REJECTED, REJECTED)) for _ in range(3)] == [[], [], []]
 
 
-def test_what_is_excluded_is_told(told):
+def test_what_is_excluded_is_reported(told):
     both = SimpleNamespace(excludes_positions=True, excludes_trailer=True)
     assert told.step(exclusion=both) == [Cause.POSITIONS_JUMPED, Cause.TRAILER_CONTRADICTS]
     assert told.step(exclusion=both, drifts=True) == [Cause.POSITIONS_DRIFT]
@@ -102,12 +102,12 @@ def test_what_is_excluded_is_told(told):
     assert told.step(exclusion=both) == [Cause.POSITIONS_DRIFT]
 
 
-def test_a_yaw_rate_that_the_estimator_has_dropped_is_told(told):
+def test_a_yaw_rate_that_the_estimator_has_dropped_is_reported(told):
     told.numbers["yaw_rate.exclusion"][0] = 59.0
     assert told.step() == [Cause.YAW_REJECTED]
 
 
-def test_a_yaw_beyond_what_is_believed_is_told(told):
+def test_a_yaw_beyond_what_is_believed_is_reported(told):
     told.numbers["yaw.error"][0] = -1.0  # of the mounting
     assert [told.step(yaw=1.59) for _ in range(5)][-1] == []
     assert [told.step(yaw=1.61) for _ in range(3)] == [[], [], [Cause.YAW_REJECTED]]
@@ -126,7 +126,7 @@ def test_what_has_been_told_stays_until_the_stop_is_acknowledged(told):
     assert told.step() == []
 
 
-def test_mirrored_front_wheels_are_told_instead_of_the_trailers_angles(told):
+def test_mirrored_front_wheels_are_reported_instead_of_the_trailers_angles(told):
     trailer = SimpleNamespace(excludes_positions=False, excludes_trailer=True)
     told.gate(SupervisorState.ACTIVE)
     assert told.step(exclusion=trailer) == [Cause.TRAILER_CONTRADICTS]
@@ -147,10 +147,10 @@ def engaged():
 
 
 def notices(rehearsal):
-    return [BY_CODE[code] for code in rehearsal.loop._controller._notices.codes if code]
+    return [BY_CODE[code] for code in rehearsal.loop._controller._faults.notices if code]
 
 
-def test_a_drift_is_told_as_one_after_the_stop_as_well():
+def test_a_drift_is_reported_as_one_after_the_stop_as_well():
     rehearsal = engaged()
     machine = rehearsal.machine
     report_otherwise(machine, lambda report, since: moved(report, machine, 0.3 * since))

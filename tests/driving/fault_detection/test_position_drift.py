@@ -36,7 +36,7 @@ def epoch(time, *, speed=2.0, radius=math.inf, noise=(0.0,) * 4, aside=(0.0, 0.0
 def heard(drift, times, **given):
     """Return when a drift was first seen, s; None: never."""
     for time in times:
-        drift.hear(epoch(time, **given))
+        drift.receive_fixes(epoch(time, **given))
         if drift.exists:
             return time
     return None
@@ -52,7 +52,7 @@ def times(end, begin=0.0):
 def test_ordinary_noise_is_no_drift(radius, speed, lag):
     drift, rng = PositionDrift(), np.random.default_rng(1)
     for time in times(600.0):
-        drift.hear(epoch(time, speed=speed, radius=radius, lag=lag, noise=tuple(rng.normal(0.0, 0.03, 4))))
+        drift.receive_fixes(epoch(time, speed=speed, radius=radius, lag=lag, noise=tuple(rng.normal(0.0, 0.03, 4))))
         assert not drift.exists, time
 
 
@@ -65,7 +65,7 @@ def test_both_antennas_that_drift_are_seen_and_one_alone_is_not(speed, latest, s
         found = None
         for time in times(20.0, begin):
             off = 0.3 * side * (time - begin)
-            drift.hear(epoch(time, speed=speed, aside=(off, off if both else 0.0)))
+            drift.receive_fixes(epoch(time, speed=speed, aside=(off, off if both else 0.0)))
             found = time if drift.exists and found is None else found
         assert (found is not None) == both
         assert found is None or 0.6 < found - begin <= latest
@@ -75,7 +75,7 @@ def test_antennas_that_go_to_different_sides_do_not_drift_together():
     drift, begin = PositionDrift(), 5.0
     assert heard(drift, times(begin)) is None
     for time in times(8.0, begin):
-        drift.hear(epoch(time, aside=(0.3 * (time - begin), -0.3 * (time - begin))))
+        drift.receive_fixes(epoch(time, aside=(0.3 * (time - begin), -0.3 * (time - begin))))
         assert not drift.exists
 
 
@@ -103,7 +103,7 @@ def drift_in_curve(radius, lag, side, *, learned):
     assert heard(drift, times(begin), radius=radius, lag=lag) is None
     for time in times(begin + 4.0, begin):
         off = 0.3 * side * (time - begin)
-        drift.hear(epoch(time, radius=radius, lag=lag, aside=(off, off)))
+        drift.receive_fixes(epoch(time, radius=radius, lag=lag, aside=(off, off)))
         if drift.exists:
             return time - begin
     return math.inf
@@ -124,17 +124,17 @@ def test_a_drift_is_not_learned_as_a_lag_before_it_is_seen():
     before = drift._tractor._lag.longest
     for time in times(14.0, 12.0):
         aside = -0.3 * (time - 12.0)  # after half a circle: to the left
-        drift.hear(epoch(time, radius=8.0, aside=(aside, aside)))
+        drift.receive_fixes(epoch(time, radius=8.0, aside=(aside, aside)))
     assert drift.exists
     assert drift._tractor._lag.longest <= before
 
 
 def jumped(drift, when, **given):
-    drift.hear(epoch(when, **given))
+    drift.receive_fixes(epoch(when, **given))
     return drift.has_jumped
 
 
-def test_both_antennas_that_jump_and_stay_there_are_told():
+def test_both_antennas_that_jump_and_stay_there_are_reported():
     drift = PositionDrift()
     assert heard(drift, times(5.0)) is None
     assert not jumped(drift, 5.0, aside=(1.0, 1.0))
@@ -165,7 +165,7 @@ def test_a_velocity_whose_direction_lags_by_far_is_a_contradiction():
 def test_a_jump_is_seen_only_if_it_stays():
     drift = PositionDrift()
     assert heard(drift, times(5.0)) is None
-    drift.hear(epoch(5.0, aside=(0.4, 0.4)))
+    drift.receive_fixes(epoch(5.0, aside=(0.4, 0.4)))
     assert heard(drift, times(12.0, 5.2)) is None
     assert heard(drift, times(14.0, 12.0), aside=(0.4, 0.4)) == pytest.approx(12.2)
 
@@ -187,7 +187,7 @@ def test_without_fixed_positions_and_velocities_nothing_is_said(field):
     given = {f"{body}_{field}": value for body in ("tractor", "trailer")}
     drift = PositionDrift()
     for time in times(20.0):
-        drift.hear(replace(epoch(time, aside=(0.3 * time, 0.3 * time)), **given))
+        drift.receive_fixes(replace(epoch(time, aside=(0.3 * time, 0.3 * time)), **given))
         assert not drift.exists
 
 
@@ -205,7 +205,7 @@ def found_with_a_gap(gap, **missing):
         off = max(0.05 * (time - begin), 0.0)
         lacks = gap[0] <= time < gap[1]
         if not lacks or missing:
-            drift.hear(epoch(time, aside=(off, off), **(missing if lacks else {})))
+            drift.receive_fixes(epoch(time, aside=(off, off), **(missing if lacks else {})))
         if drift.drifts_slowly(**FOLLOWED):
             return time - begin
     return math.inf
@@ -233,7 +233,7 @@ def test_a_turn_that_begins_while_epochs_are_lost_is_no_drift(speed):
             continue
         place = {"x": x, "y": y, "course": course, "speed": speed}
         given = {f"{body}_{name}": value for body in ("tractor", "trailer") for name, value in place.items()}
-        drift.hear(epoch(time, **given))
+        drift.receive_fixes(epoch(time, **given))
         assert not drift.exists
         assert not drift.drifts_slowly(**FOLLOWED)
 
@@ -243,7 +243,7 @@ def test_from_where_they_were_before_the_velocities_lead_on():
     assert heard(drift, times(begin), radius=20.0) is None
     for time in times(8.0, begin):
         off = 0.3 * (time - begin)
-        drift.hear(epoch(time, radius=20.0, aside=(off, off)))
+        drift.receive_fixes(epoch(time, radius=20.0, aside=(off, off)))
         if drift.exists and time < 6.1:
             drift.begin_dead_reckoning()
     measured = Measurement(time=0.0, **dict.fromkeys(UNUSED, 0.0))
@@ -251,7 +251,7 @@ def test_from_where_they_were_before_the_velocities_lead_on():
     carried = drift.dead_reckoned(measured)
     found = (carried.tractor_x, carried.tractor_y, carried.trailer_x, carried.trailer_y)
     assert found == pytest.approx((true.tractor_x, true.tractor_y, true.trailer_x, true.trailer_y), abs=0.01)
-    drift.hear(epoch(9.0))
+    drift.receive_fixes(epoch(9.0))
     assert math.isnan(drift.dead_reckoned(measured).tractor_x), "an epoch was lost"
 
 
@@ -264,7 +264,7 @@ def slowly(rates, *, speed=2.0, begin=12.0, **followed):
     for time in times(begin + 20.0):
         since = max(time - begin, 0.0)
         aside = (rates[0] * since, rates[1] * since)
-        drift.hear(epoch(time, speed=speed, aside=aside))
+        drift.receive_fixes(epoch(time, speed=speed, aside=aside))
         if drift.drifts_slowly(**(FOLLOWED | followed)):
             return time - begin
     return math.inf
@@ -299,7 +299,7 @@ def test_noise_of_positions_and_velocities_is_no_slow_drift():
         velocity = kept * velocity + math.sqrt(1.0 - kept**2) * rng.normal(0.0, 0.03, 2)
         heard_now = epoch(time, noise=tuple(rng.normal(0.0, 0.02, 4)))
         courses = {f"{body}_course": velocity[i] / 2.0 for i, body in enumerate(("tractor", "trailer"))}
-        drift.hear(replace(heard_now, **courses))
+        drift.receive_fixes(replace(heard_now, **courses))
         assert not drift.drifts_slowly(**FOLLOWED), time
 
 
@@ -307,7 +307,7 @@ def test_after_a_slow_drift_the_velocities_lead_from_where_it_had_hardly_begun()
     drift, begin = PositionDrift(), 12.0
     for time in times(40.0):
         off = 0.05 * max(time - begin, 0.0)
-        drift.hear(epoch(time, aside=(off, off)))
+        drift.receive_fixes(epoch(time, aside=(off, off)))
         if drift.drifts_slowly(**FOLLOWED):
             break
     drift.begin_dead_reckoning()
@@ -321,7 +321,7 @@ def test_in_a_curve_a_slow_drift_to_the_inside_is_not_learned_as_lag(side):
     for time in times(begin + 12.0):
         off, turned = 0.05 * max(time - begin, 0.0), 2.0 * time / radius
         inside = (-off * side * math.sin(turned), off * side * math.cos(turned))
-        drift.hear(epoch(time, radius=radius, noise=inside * 2))
+        drift.receive_fixes(epoch(time, radius=radius, noise=inside * 2))
         found = min(found, time - begin) if drift.drifts_slowly(**FOLLOWED) else found
     assert 4.0 < found <= 5.0
 
@@ -343,7 +343,7 @@ def apart_in_curve(rate, lags, apart):
             f"{body}_course": 0.25 * max(time - lag, 0.0)
             for body, lag in zip(("tractor", "trailer"), lags, strict=True)
         }
-        drift.hear(replace(where, **aside, **courses))
+        drift.receive_fixes(replace(where, **aside, **courses))
         if drift.drifts_slowly(apart=apart, **FOLLOWED):
             return time - 2.0
     return math.inf
@@ -361,7 +361,7 @@ def test_of_one_antenna_it_is_seen_in_a_first_curve_by_what_it_is_aside_more_tha
 def test_speeds_that_come_in_knots_in_a_curve_are_no_slow_drift(side):
     drift = PositionDrift()
     for time in times(40.0):
-        drift.hear(epoch(time, radius=8.0 * side, told=1.0 if time < 20.0 else 3600.0 / 1852.0))
+        drift.receive_fixes(epoch(time, radius=8.0 * side, told=1.0 if time < 20.0 else 3600.0 / 1852.0))
         assert not drift.drifts_slowly(**FOLLOWED), time
 
 
@@ -370,6 +370,6 @@ def test_a_course_that_lags_behind_a_curve_is_no_slow_drift(speed, radius):
     drift = PositionDrift()
     for time in times(60.0):
         straight = time < 20.0
-        drift.hear(epoch(time - 20.0, speed=speed, radius=math.inf if straight else radius, lag=0.25))
+        drift.receive_fixes(epoch(time - 20.0, speed=speed, radius=math.inf if straight else radius, lag=0.25))
         assert not drift.exists, time
         assert not drift.drifts_slowly(**FOLLOWED), time

@@ -30,7 +30,7 @@ def after(*epochs):
     """Return whether receivers are swapped after epochs."""
     swapped = SwappedReceivers()
     for each in epochs:
-        swapped.hear(each)
+        swapped.receive_fixes(each)
     return swapped.found
 
 
@@ -79,7 +79,7 @@ def rehearsal():
     return Rehearsal(configuration, build_path(configuration)[0], 3, configuration.safety)
 
 
-def test_swapped_receivers_are_told_as_soon_as_the_vehicle_moves_and_never_engage(rehearsal):
+def test_swapped_receivers_are_reported_as_soon_as_the_vehicle_moves_and_never_engage(rehearsal):
     exchange(rehearsal.machine)
     told = [(truth.speed, rehearsal.gate_state.refusals) for _, truth in rehearsal.run(30.0) if rehearsal.gate_state]
     refused = [(speed, Cause.RECEIVERS_SWAPPED.value in refusals) for speed, refusals in told]

@@ -8,7 +8,7 @@ import pytest
 from ordinary import measured
 
 from drawbar.config import load_configuration
-from drawbar.driving.fault_detection.fault_exclusion import CONFIRMED
+from drawbar.driving.fault_detection.confirmation import CONFIRMED
 from drawbar.driving.loop.control_loop import ControlLoop
 from drawbar.driving.loop.controller import Controller
 from drawbar.messages import Fixes
@@ -60,13 +60,18 @@ class Drive:
         for i in range(round(begin / PERIOD), round(end / PERIOD)):
             time = i * PERIOD
             self.controller.receive_fixes(epoch(time, aside(time)))
-            self.given.append(self.controller._believed(sample(time, aside(time))))
-            self.controller._judge(step(self.given[-1], hitch))
+            self.given.append(self.faults.without_faults(sample(time, aside(time))))
+            if (change := self.faults.update(step(self.given[-1], hitch), engaged=True)) is not None:
+                self.controller._recompute(change)
             self.given = self.given[-10:]
 
     @property
+    def faults(self):
+        return self.controller._faults
+
+    @property
     def exclusion(self):
-        return self.controller._exclusion
+        return self.faults.exclusion
 
 
 @pytest.fixture
@@ -126,7 +131,7 @@ def test_where_the_antennas_were_before_a_jump_is_not_taken_from_after_it(drive)
     drive.pass_epochs(0.0, 4.0, none)
     drive.pass_epochs(4.0, 12.0, lambda time: 1.0 + 0.3 * max(time - 7.0, 0.0))
     assert math.isnan(drive.given[-1].tractor_x)
-    assert not drive.controller._dead_reckons
+    assert not drive.faults.dead_reckons
 
 
 def test_the_answer_that_is_computed_again_takes_the_place_of_the_bent_one_at_once(drive, monkeypatch):
@@ -153,7 +158,7 @@ def test_the_answer_that_is_computed_again_takes_the_place_of_the_bent_one_at_on
 
 
 def test_by_how_much_the_antennas_are_apart_decides_on_a_slow_drift_of_one(drive, monkeypatch):
-    told, drift = [], drive.controller._drift
+    told, drift = [], drive.faults._drift
     monkeypatch.setattr(drift, "drifts_slowly", lambda *, tractor, trailer, apart: bool(told.append(apart)))
     drive.pass_epochs(
         0.0, 4.0, lambda time: -0.1

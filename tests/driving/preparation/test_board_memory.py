@@ -76,7 +76,7 @@ def test_a_board_that_may_not_be_steered_is_not_written_to(board, monkeypatch):
     assert board.settings.gain == 40
 
 
-def test_a_board_that_does_not_reply_is_told(board):
+def test_a_board_that_does_not_reply_is_reported(board):
     with running(board) as devices:
         gone = devices.tractor_board.model_copy(update={"address": "127.0.0.1:1"})
         (found,) = board_memory.store_board_memories(devices.model_copy(update={"tractor_board": gone}))

@@ -56,7 +56,7 @@ def found(boards, seconds=1.0):
 
 
 @pytest.mark.parametrize("firmware", [AioV4, Aio26])
-def test_boards_that_answer_are_told_with_their_own_address(firmware, listen):
+def test_boards_that_answer_are_reported_with_their_own_address(firmware, listen):
     board = firmware(HeldWheel(), subnet="192.168.7", start=time.monotonic())
     board.computer_port = int(listen.partition(":")[2])
     with running(board) as address:
@@ -102,7 +102,7 @@ def answering(line, reply):
     line.sendto(reply, computer)
 
 
-def test_a_board_that_hears_this_computer_from_another_network_is_told(listen):
+def test_a_board_that_hears_this_computer_from_another_network_is_reported(listen):
     reply = pack(STEER_BOARD, 203, bytes((192, 168, 5, 126, 192, 168, 1)))
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line:
         line.bind(("127.0.0.1", 0))

@@ -34,7 +34,7 @@ class Yard:
         return {each.device: each for each in check._isobus(self.settings, 4.0, drives=drives)}
 
 
-def test_what_is_ready_is_told_with_its_angle_and_nothing_is_asked_for(monkeypatch):
+def test_what_is_ready_is_reported_with_its_angle_and_nothing_is_asked_for(monkeypatch):
     yard = Yard(monkeypatch)
     found = yard.findings()
     assert found["tractor valve"].facts == ["angle 5.7°", "ready"]
@@ -46,7 +46,7 @@ def test_what_is_ready_is_told_with_its_angle_and_nothing_is_asked_for(monkeypat
     assert "tractor's speed" not in yard.findings(drives=False)
 
 
-def test_what_is_silent_or_locked_out_is_told_with_what_to_do(monkeypatch):
+def test_what_is_silent_or_locked_out_is_reported_with_what_to_do(monkeypatch):
     yard = Yard(monkeypatch)
     yard.machine.valves["tractor"].locked_out = True
     yard.machine.valves["trailer"].silent = True
@@ -57,13 +57,13 @@ def test_what_is_silent_or_locked_out_is_told_with_what_to_do(monkeypatch):
 
 
 @pytest.mark.parametrize("device", ["tractor valve", "trailer valve", "tractor's speed"])
-def test_a_bus_without_anybody_is_told(monkeypatch, device):
+def test_a_bus_without_anybody_is_reported(monkeypatch, device):
     yard = Yard(monkeypatch)
     yard.on = False
     assert not yard.findings()[device].received
 
 
-def test_a_bus_that_cannot_be_opened_is_told_with_what_to_do():
+def test_a_bus_that_cannot_be_opened_is_reported_with_what_to_do():
     settings = isobus_devices("can:socketcan:drawbar9").isobus
     found = {each.device: each for each in check._isobus(settings, 0.05, drives=True)}
     (problem,) = found["ISOBUS"].problems

@@ -82,7 +82,7 @@ def report_at(time):
     )
 
 
-def test_bytes_of_another_baud_rate_are_told_from_silence(monkeypatch):
+def test_bytes_of_another_baud_rate_are_distinguished_from_silence(monkeypatch):
     noise = np.random.default_rng(0).integers(128, 256, 200, dtype=np.uint8).tobytes()
     (problem,) = finding_of(monkeypatch, lambda step, time: noise).problems
     assert problem.startswith("something comes, but nothing that is understood (")
@@ -101,14 +101,14 @@ def test_the_only_receiver_has_to_tell_a_heading(monkeypatch, yaw, alone, missin
     assert (f"heading {90.0 - math.degrees(0.5):.1f}°" in finding.facts) == math.isfinite(yaw)
 
 
-def test_the_age_of_corrections_is_told(monkeypatch):
+def test_the_age_of_corrections_is_reported(monkeypatch):
     finding = finding_of(monkeypatch, lambda step, time: b"".join(nmea.sentences(report_at(time))))
     assert "corrections 1 s old" in finding.facts
     assert finding.problems == []
 
 
 @pytest.mark.parametrize(("age", "told"), [(4.9, ""), (5.1, "5 s old"), (24.0, "24 s old")])
-def test_corrections_too_old_to_engage_with_are_told(monkeypatch, age, told):
+def test_corrections_too_old_to_engage_with_are_reported(monkeypatch, age, told):
     finding = finding_of(
         monkeypatch,
         lambda step, time: b"".join(nmea.sentences(dataclasses.replace(report_at(time), correction_age=age))),
@@ -126,7 +126,7 @@ def test_corrections_of_2_to_5_s_of_a_u_blox_receiver_are_not_too_old(monkeypatc
 
 
 @pytest.mark.parametrize(("decimals", "enough"), [(7, True), (6, True), (5, False), (4, False)])
-def test_positions_with_too_few_decimals_are_told(monkeypatch, decimals, enough):
+def test_positions_with_too_few_decimals_are_reported(monkeypatch, decimals, enough):
     def told(step, time):
         cut = re.sub(r"(\d{4,5}\.)(\d{7,8}),([NE])", lambda m: f"{m[1]}{m[2][:decimals]},{m[3]}", sentences(time))
         return b"".join(nmea.sentence(line[1:].split("*")[0]) for line in cut.split())
@@ -142,7 +142,7 @@ def test_positions_with_too_few_decimals_are_told(monkeypatch, decimals, enough)
 @pytest.mark.parametrize(
     ("rate", "sample_time", "enough"), [(5, 0.2, True), (4, 0.2, False), (10, 0.2, True), (5, 0.1, False)]
 )
-def test_a_receiver_that_is_slower_than_the_controller_is_told(monkeypatch, rate, sample_time, enough):
+def test_a_receiver_that_is_slower_than_the_controller_is_reported(monkeypatch, rate, sample_time, enough):
     told = lambda step, time: b"".join(nmea.sentences(report_at(time)))  # noqa: E731
     finding = finding_of(monkeypatch, told, rate, sample_time)
     needed = f"{1.0 / sample_time:g}"
@@ -151,7 +151,7 @@ def test_a_receiver_that_is_slower_than_the_controller_is_told(monkeypatch, rate
 
 
 @pytest.mark.parametrize(("apart", "told"), [(18.0, "+18.0 s"), (-2.0, "-2.0 s"), (0.4, ""), (-86399.9, "")])
-def test_receivers_that_differ_about_the_time_are_told(monkeypatch, apart, told):
+def test_receivers_that_differ_about_the_time_are_reported(monkeypatch, apart, told):
     lines = []
 
     def line(_):
@@ -194,7 +194,7 @@ FORWARD = "udp://0.0.0.0:0?peer={}:2233"
         (FixQuality.FIXED, "192.168.5.126", (), 0),  # it has corrections from elsewhere
     ],
 )
-def test_a_receiver_on_a_board_that_is_sent_no_corrections_is_told(monkeypatch, quality, sender, forward, told):
+def test_a_receiver_on_a_board_that_is_sent_no_corrections_is_reported(monkeypatch, quality, sender, forward, told):
     devices = DeviceSettings(
         tractor_receiver=ReceiverSettings(transport="udp://127.0.0.1:9", sender=sender),
         trailer_receiver=ReceiverSettings(transport="file:memory"),
@@ -230,7 +230,7 @@ def test_a_u_blox_receiver_is_asked_for_its_version_once(monkeypatch, answer, ve
     assert asked == [UBXMessage("MON", "MON-VER", POLL).serialize()]
 
 
-def test_what_septentrios_receiver_setup_says_is_told(monkeypatch):
+def test_what_septentrios_receiver_setup_says_is_reported(monkeypatch):
     body = bytes(2 + 60 + 20 + 20 + 40) + b"".join(text.ljust(20, b"\0") for text in (b"mosaic-X5", b"4.14.0"))
     body += bytes(20 + 20 + 12 + 20 + 40 + 40 + 20 + 10 + 1 + 1 + 3 + 21)
     block = sbf.block(5902, 4, report_at(BEGIN), body)
@@ -239,14 +239,14 @@ def test_what_septentrios_receiver_setup_says_is_told(monkeypatch):
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
-def test_roll_and_yaw_rate_are_told_in_degrees(monkeypatch, side):
+def test_roll_and_yaw_rate_are_reported_in_degrees(monkeypatch, side):
     yaw, roll, level = (lambda step: side * 0.0104720 * step), (lambda _: side * 0.04), (lambda _: 0.0)
     facts = facts_of(monkeypatch, inertial_yaw=yaw, roll=roll, pitch=level)
     assert f"roll {side * 2.3:.1f}°" in facts
     assert f"yaw rate {side * 3.0:.1f}°/s" in facts
 
 
-def test_what_is_not_measured_is_not_told(monkeypatch):
+def test_what_is_not_measured_is_not_reported(monkeypatch):
     assert not any("roll" in fact or "yaw" in fact for fact in facts_of(monkeypatch))
 
 
@@ -274,14 +274,14 @@ def test_a_bare_valves_board_is_listened_to_and_told_nothing(monkeypatch, senten
     ("tractor", "trailer", "differ"),
     [(123, 123, False), (123, 124, True), (0, 124, False), (None, 7, False), (7, 65535, False)],
 )
-def test_two_base_stations_are_told(tractor, trailer, differ):
+def test_two_base_stations_are_reported(tractor, trailer, differ):
     findings = [Finding(device="receiver", station=station) for station in (tractor, trailer)]
     told = check_receiver.other_station(*findings)
     assert bool(told) is differ
     assert not differ or told[0].startswith("its corrections are of station 124, the tractor receiver's of 123: ")
 
 
-def test_the_station_of_the_corrections_is_told(monkeypatch):
+def test_the_station_of_the_corrections_is_reported(monkeypatch):
     found = finding_of(
         monkeypatch,
         lambda step, time: nmea.gga(dataclasses.replace(report_at(time), station=123)) + nmea.vtg(report_at(time)),

@@ -139,7 +139,7 @@ def test_what_was_not_driven_is_refused_with_what_to_drive(machine):
     assert not {"front wheels: scale", "tractor: mounting roll"} & set(all_found(machine, nothing))
 
 
-def test_a_drive_far_from_the_line_is_told_with_settings_that_estimate_there(machine, monkeypatch, tmp_path):
+def test_a_drive_far_from_the_line_is_reported_with_settings_that_estimate_there(machine, monkeypatch, tmp_path):
     # a run ends 6 m from the line, where circles soon are, and nothing is estimated any more
     drive = driven(machine)
     lost = replace(drive, x=np.where(drive.times > drive.times[100], math.nan, drive.x))
@@ -232,7 +232,7 @@ def test_the_file_beside_extends_the_users_and_keeps_what_was_found_before(machi
 
 
 def test_dead_time_lag_and_late_fixes_are_found_in_the_log_of_a_run(tmp_path):
-    late = "machine.delays={fix={latency=0.2},told=false}"
+    late = "machine.delays={fix={latency=0.2},reported=false}"
     steps = ["path.radii=[8.0]", "machine.actuators.dead_time=0.3", "machine.attitude.tractor.present=true", late]
     result = CliRunner().invoke(app, ["run", "articulated", "--out", str(tmp_path / "run"), *sets(steps)])
     assert result.exit_code == 0, result.output

@@ -126,7 +126,7 @@ def test_the_command_asks_twice_and_writes_the_sensors_scale(tmp_path, monkeypat
         assert angles == pytest.approx([SCALE * angle for angle in SETTINGS.angles], rel=0.05)
 
 
-def test_how_far_it_is_is_told():
+def test_how_far_it_is_is_reported():
     line, told = PushedValve(), []
     done = PushCalibration(line.machine(), SETTINGS)
     watch = done._watch

@@ -72,7 +72,7 @@ def test_a_sensor_that_counts_the_other_way_ends_it_as_a_runaway():
     assert farthest < TRAVEL + math.radians(4.0)
 
 
-def test_wheels_that_do_not_move_are_told():
+def test_wheels_that_do_not_move_are_reported():
     run, farthest = tried(HeldWheel())
     assert "does not move" in refusal(run)
     assert farthest == 0.0
@@ -90,7 +90,7 @@ def test_what_happens_meanwhile_ends_it(change, words):
     assert words in refusal(run)
 
 
-def test_a_motor_that_is_too_slow_is_told():
+def test_a_motor_that_is_too_slow_is_reported():
     run, _ = tried(MotorWheel(rate=math.radians(25.0)))
     assert "delay" in refusal(run)
 

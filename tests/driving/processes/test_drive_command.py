@@ -127,7 +127,7 @@ def test_a_drive_that_reads_no_keys_says_so_where_they_are_needed(tmp_path, opti
 @pytest.mark.parametrize(
     "terminal", [[f"--set={change}" for change in (*PATIENT, "safety.timing.recorder=5.0")]], indirect=True
 )
-def test_a_recorder_that_is_killed_costs_the_record_only_and_that_is_told(terminal, tmp_path):
+def test_a_recorder_that_is_killed_costs_the_record_only_and_that_is_reported(terminal, tmp_path):
     terminal.await_words("ACTIVE: steering")
     os.kill(terminal.child("recorder_main"), signal.SIGKILL)
     terminal.await_words("the recorder has ended: nothing more is recorded")

@@ -17,10 +17,11 @@ from mcap.stream_reader import StreamReader
 from patience import ENGAGE, PATIENT, watch
 
 from drawbar.config import load_configuration
+from drawbar.configurations import CONFIGURATION_NAME
 from drawbar.driving.evaluation.replay import replay_drive
 from drawbar.driving.operator.front_end import FrontEnd
 from drawbar.driving.processes import drive_processes
-from drawbar.driving.processes.drive_processes import CONFIGURATION_NAME, DriveProcesses
+from drawbar.driving.processes.drive_processes import DriveProcesses
 from drawbar.driving.stand_in.demonstration import with_stand_ins
 from drawbar.messages import SupervisorState
 from drawbar.recording.drive_records import RawBytes, open_drive
@@ -137,7 +138,7 @@ def test_receivers_that_are_killed_end_in_a_stop_and_nothing_steers_again(proces
     assert read_log(tmp_path / "log.mcap").records
 
 
-def test_a_disk_that_fills_while_driving_costs_the_record_only_and_that_is_told(processes, tmp_path):
+def test_a_disk_that_fills_while_driving_costs_the_record_only_and_that_is_reported(processes, tmp_path):
     front, log = FrontEnd(processes, demonstrates=True), tmp_path / "log.mcap"
     watch(front, steers, ENGAGE)
     written = log.stat().st_size
@@ -163,7 +164,7 @@ def test_a_process_that_dies_without_a_word_on_a_full_disk_is_explained(tmp_path
     processes.close()
 
 
-def test_a_runs_folder_that_is_removed_while_driving_costs_the_record_only_and_that_is_told(processes, tmp_path):
+def test_a_runs_folder_that_is_removed_while_driving_costs_the_record_only_and_that_is_reported(processes, tmp_path):
     front = FrontEnd(processes, demonstrates=True)
     watch(front, steers, ENGAGE)
     (tmp_path / "log.mcap").unlink()
@@ -181,7 +182,7 @@ def test_a_recorder_whose_disk_hangs_is_ended_in_the_end(processes, monkeypatch)
     assert processes.killed == ["recorder"]
 
 
-def test_a_guard_that_is_frozen_is_told_and_steering_goes_on(processes):
+def test_a_guard_that_is_frozen_is_reported_and_steering_goes_on(processes):
     front = FrontEnd(processes, demonstrates=True)
     watch(front, steers, ENGAGE)
     assert Cause.NOT_GUARDED.value not in front.state.refusals
@@ -193,7 +194,7 @@ def test_a_guard_that_is_frozen_is_told_and_steering_goes_on(processes):
     front.close()
 
 
-def test_a_gate_that_is_killed_is_told_and_takes_the_controller_with_it(processes):
+def test_a_gate_that_is_killed_is_reported_and_takes_the_controller_with_it(processes):
     front = FrontEnd(processes, demonstrates=True)
     watch(front, steers, ENGAGE)
     os.kill(processes.by_name["gate"].pid, signal.SIGKILL)

@@ -9,9 +9,10 @@ import pytest
 from patience import ENGAGE, PATIENT, watch
 
 from drawbar.config import load_configuration
+from drawbar.configurations import CONFIGURATION_NAME
 from drawbar.driving.operator.front_end import FrontEnd
 from drawbar.driving.preparation.wiggle_record import keep_passed
-from drawbar.driving.processes.drive_processes import CONFIGURATION_NAME, DriveProcesses
+from drawbar.driving.processes.drive_processes import DriveProcesses
 from drawbar.driving.stand_in.demonstration import with_stand_ins
 
 UNITS = sorted((Path(__file__).parents[3] / "docs" / "systemd").glob("*.service"))

@@ -83,7 +83,7 @@ def test_a_processs_expected_error_is_its_message_alone(capsys: pytest.CaptureFi
     assert capsys.readouterr().err == "the port is taken; give another\n"
 
 
-def test_a_temporary_folder_with_too_long_a_name_for_sockets_is_told(
+def test_a_temporary_folder_with_too_long_a_name_for_sockets_is_reported(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     long = tmp_path / ("a" * 110)

@@ -182,7 +182,7 @@ def test_receivers_whose_delay_is_another_each_time_are_driven_with(most):
     assert errors(steps, path)[50:].max() < 0.1
 
 
-def test_a_speed_over_ground_that_is_not_there_is_not_told():
+def test_a_speed_over_ground_that_is_not_there_is_not_reported():
     rehearsal, _ = rehearse()
     drive_until(rehearsal, SupervisorState.ACTIVE)
     told = []

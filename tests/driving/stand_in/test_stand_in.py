@@ -12,12 +12,13 @@ from patience import ENGAGE, PATIENT, watch
 from waiting import until
 
 from drawbar.config import load_configuration
+from drawbar.configurations import CONFIGURATION_NAME
 from drawbar.driving.devices.pace import shown_pace
 from drawbar.driving.devices.path_frame import local_frame
 from drawbar.driving.operator.front_end import FrontEnd
 from drawbar.driving.preparation.check import check
 from drawbar.driving.preparation.wiggle import wiggle_both
-from drawbar.driving.processes.drive_processes import CONFIGURATION_NAME, DriveProcesses
+from drawbar.driving.processes.drive_processes import DriveProcesses
 from drawbar.driving.stand_in.demonstration import free_ports, with_isobus, with_stand_ins
 from drawbar.driving.stand_in.lines import BoardLine, open_line
 from drawbar.errors import HardwareError
@@ -214,7 +215,7 @@ def heard(look):
         (["--fault", "bus-off"], 1, ["needs devices.isobus, which the configuration does not have"]),
     ],
 )
-def test_which_faults_there_are_is_told(configuration, arguments, code, words):
+def test_which_faults_there_are_is_reported(configuration, arguments, code, words):
     command = [sys.executable, "-m", "drawbar", "stand-in", str(configuration[1]), *arguments]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300.0, check=False)
     said = " ".join((done.stdout + done.stderr).split())

@@ -61,7 +61,7 @@ def test_figures_are_medians_of_what_follows_the_start(analysis, run) -> None:
 
 
 @pytest.mark.usefixtures("by_themselves")
-def test_tables_and_ratios(run, assemble, write_parts) -> None:
+def test_tables_hold_the_times_and_the_text_judges_their_ratios(run, assemble, write_parts) -> None:
     results = {"paper": [run(3.0, 3.0)] * 2, "articulated": [run(1.0, 1.0)] * 2}
     results |= {f"{case}-centralised": [run(10.0)] * 2 for case in ("paper", "articulated")}
     text, tables = write_parts(assemble(results))

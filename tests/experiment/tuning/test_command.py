@@ -64,7 +64,7 @@ def test_a_search_leaves_its_report_and_goes_on_from_it(drawbar: Drawbar, tmp_pa
     assert (tmp_path / "results.md").read_text("utf-8") == report
 
 
-def test_an_interrupt_is_told(drawbar: Drawbar, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_an_interrupt_is_reported(drawbar: Drawbar, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
 
@@ -83,7 +83,7 @@ def test_an_interrupt_is_told(drawbar: Drawbar, monkeypatch: pytest.MonkeyPatch,
         (("paper", "--parameters", RANGES, "--out", "/dev/null/x"), "choose another --out folder"),
     ],
 )
-def test_what_is_wrong_is_told(drawbar: Drawbar, arguments: tuple[str, ...], message: str) -> None:
+def test_what_is_wrong_is_reported(drawbar: Drawbar, arguments: tuple[str, ...], message: str) -> None:
     code, said = drawbar(*arguments)
     assert code == 2
     assert message in said

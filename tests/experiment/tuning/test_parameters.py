@@ -67,7 +67,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("text", WRONG)
-def test_what_is_wrong_is_told(text: str) -> None:
+def test_what_is_wrong_is_reported(text: str) -> None:
     with pytest.raises(ConfigurationError) as error:
         read_space("paper", [], [text])
     assert WRONG[text] in str(error.value)

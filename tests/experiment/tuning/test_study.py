@@ -124,7 +124,7 @@ def test_another_seed_draws_others(thirty: list[Trial], tmp_path: Path) -> None:
     assert all(other.values != one.values for other, one in zip(others[1:], thirty[1:], strict=False))
 
 
-def test_refused_values_are_told_once_and_learnt_from_by_nobody(tmp_path: Path) -> None:
+def test_refused_values_are_reported_once_and_learnt_from_by_nobody(tmp_path: Path) -> None:
     def evaluate(batch: Sequence[tuple[int, Values]]) -> list[Score | Failure]:
         return [Failure(reason="n is odd") if values["n"] % 2 else closed_form(**values) for _, values in batch]
 
@@ -180,6 +180,6 @@ def test_of_equals_the_front_keeps_the_first() -> None:
     assert [trial.number for trial in front(trials)] == [2, 0]
 
 
-def test_a_journal_that_is_none_is_told(tmp_path: Path) -> None:
+def test_a_journal_that_is_none_is_reported(tmp_path: Path) -> None:
     with pytest.raises(DrawbarError, match="cannot keep the study there"):
         open_study(tmp_path, "s")

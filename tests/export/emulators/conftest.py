@@ -15,10 +15,10 @@ import pytest
 from single_layout import SingleLayout
 
 from drawbar.codegen.compiler import FLAGS, find_compiler
-from drawbar.exchange import Layout
 from drawbar.experiment.alteration import InterceptedMachine
 from drawbar.export.targets import Precision
 from drawbar.geometry import Floats
+from drawbar.signal_layout import Layout
 from drawbar.signals import Measurement, StepRecord
 from drawbar.simulation import Simulation
 
@@ -195,7 +195,7 @@ def linked(command: Sequence[str], program: FilePath) -> FilePath:
 @pytest.fixture(scope="session")
 def native(exported: Callable[..., FilePath]) -> Callable[..., Player]:
     """Return a function that builds a configuration's player with the compiler and flags of Python's own solvers."""
-    flags = [flag for flag in FLAGS if flag not in ("-shared", "-fPIC")]
+    flags = [flag for flag in FLAGS if flag != "-shared"]
 
     @cache
     def native(name: str, precision: Precision = Precision.DOUBLE) -> Player:

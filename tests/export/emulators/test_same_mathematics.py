@@ -55,7 +55,9 @@ def test_as_python_compiles_it(run: Any, native: Callable, tmp_path: Path) -> No
 @pytest.mark.parametrize(
     "target", [target.name for target in TARGETS if target.name not in ("macos-aarch64", "cortex-m4")]
 )
-def test_other_targets(target: str, run: Any, player: Callable, tmp_path: Path) -> None:
+def test_commands_on_other_targets_are_those_of_this_computer(
+    target: str, run: Any, player: Callable, tmp_path: Path
+) -> None:
     replay = player(target).play(run, tmp_path)
     assert replay.statuses == run.statuses
     np.testing.assert_allclose(replay.commands, run.commands, rtol=0.0, atol=INTERIOR_POINT)

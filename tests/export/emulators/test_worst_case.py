@@ -125,7 +125,9 @@ def promised(name: str) -> tuple[float, float]:
     return float(millions.split(" | ")[column]), float(medians.split(" | ")[column])
 
 
-def test_the_longest_step(name: str, record: Callable, exported: Callable, tmp_path: Path) -> None:
+def test_the_longest_step_is_below_what_the_documentation_states(
+    name: str, record: Callable, exported: Callable, tmp_path: Path
+) -> None:
     library, run = exported("articulated"), record("articulated", steps=200)
 
     def counter(kind: str, folder: Path) -> Counter:

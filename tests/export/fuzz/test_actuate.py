@@ -36,7 +36,9 @@ def checked(*command: str) -> set[int]:
 
 
 @pytest.mark.parametrize("compiler", ["gcc", "clang-14"])
-def test_random_inputs(exported: Callable[..., Path], compiler: str, tmp_path: Path) -> None:
+def test_random_inputs_raise_no_sanitizer_and_reach_every_status(
+    exported: Callable[..., Path], compiler: str, tmp_path: Path
+) -> None:
     if shutil.which(compiler) is None:
         pytest.skip(f"{compiler} is not installed")
     built = program(exported("articulated"), tmp_path / "random", compiler, *SANITIZERS, "-DRANDOM")

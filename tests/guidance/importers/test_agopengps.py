@@ -29,7 +29,7 @@ def field(folder: Path, *rows: str, end: str = "\n", mark: str = "") -> Path:
     return folder
 
 
-def test_the_recorded_lines(recorded_line: tuple[Path, str]) -> None:
+def test_a_recorded_line_is_read_whole_and_ends_where_it_was_recorded(recorded_line: tuple[Path, str]) -> None:
     folder, track = recorded_line
     line = load_line(folder, track)
     count, last = ENDS[track]

@@ -88,7 +88,7 @@ def test_all_files_are_read_and_what_an_older_one_repeats_is_one_line(tmp_path: 
     assert load_line(field / "ABLines.txt", "AB 0°").name == "AB 0°"
 
 
-def test_empty_files_are_no_lines_and_all_is_told(tmp_path: Path) -> None:
+def test_empty_files_are_no_lines_and_all_is_reported(tmp_path: Path) -> None:
     field = folder(tmp_path, TrackLines="$TrackLines\n", ABLines="")
     reason = "holds no line: TrackLines.txt has none; ABLines.txt has none; CurveLines.txt is not there"
     with pytest.raises(PathError, match=reason):

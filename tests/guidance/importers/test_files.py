@@ -32,7 +32,7 @@ def written(folder: Path, name: str, content: str | bytes) -> Path:
         "# made by hand\n\nx,y\n0,0\n# the middle; with, marks\n1.5,-2\n3,0\n",
     ],
 )
-def test_dialects_of_csv(tmp_path: Path, content: str) -> None:
+def test_every_dialect_of_csv_is_the_same_line(tmp_path: Path, content: str) -> None:
     line = load_line(written(tmp_path, "headland.csv", content), None)
     assert line.name == "headland"
     np.testing.assert_array_equal(line.x, [0.0, 1.5, 3.0])

@@ -269,6 +269,6 @@ def test_dead_bands_that_disagree_or_are_too_few_are_refused() -> None:
         (2.5, math.inf, "2.5 ± inf"),
     ],
 )
-def test_a_number_is_told_as_far_as_it_is_known(value: float, deviation: float, told: str) -> None:
+def test_a_number_is_reported_as_far_as_it_is_known(value: float, deviation: float, told: str) -> None:
     found = Calibrated(value=value, deviation=deviation, residual=0.0, samples=1, unit="", residual_unit="")
     assert found.text == told

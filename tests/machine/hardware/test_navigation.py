@@ -217,7 +217,7 @@ def test_a_sensor_board_alone_begins_nothing() -> None:
     assert not list(measured(machine, "file:memory", 2.0, Board()))
 
 
-def test_satellites_are_told_as_far_as_a_receiver_tells_them() -> None:
+def test_satellites_are_reported_as_far_as_a_receiver_tells_them() -> None:
     machine, lines = machine_of(), {body: MemoryTransport() for body in BODIES}
     tractor, trailer = (Receiver(lines[body], ReceiverSettings(transport="file:memory")) for body in BODIES)
     navigation, told = Navigation((tractor, trailer), FRAME), []

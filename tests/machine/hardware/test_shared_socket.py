@@ -96,7 +96,7 @@ def test_what_nobody_reads_is_bounded_and_counted(computer: UdpSocket, boards: l
     assert second.lost == 100  # type: ignore[attr-defined]
 
 
-def test_the_socket_closes_with_the_last_and_what_is_not_sent_is_told(computer: UdpSocket) -> None:
+def test_the_socket_closes_with_the_last_and_what_is_not_sent_is_reported(computer: UdpSocket) -> None:
     first, second = share(computer, [("127.0.0.1", 9), ("255.255.255.255", 9)])
     assert not second.write(b"12345")  # broadcasts are not allowed on this socket
     assert second.trouble

@@ -56,7 +56,7 @@ def test_without_compensation_the_dead_band_stays_as_an_error() -> None:
     assert math.degrees(0.2 - front) > 0.6
 
 
-def test_the_same_again() -> None:
+def test_the_same_settings_give_the_same_run() -> None:
     assert driven(LowLevelSettings(kind="valve"), 20, COMMAND) == driven(LowLevelSettings(kind="valve"), 20, COMMAND)
 
 

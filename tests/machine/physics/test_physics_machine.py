@@ -197,7 +197,7 @@ def test_machine_that_tips_over_is_refused(build: Build) -> None:
         build(tractor={"ahead": 0.02})
 
 
-def test_bodies_that_mujoco_refuses_are_told(build: Build) -> None:
+def test_bodies_that_mujoco_refuses_are_reported(build: Build) -> None:
     with pytest.raises(ConfigurationError, match=r"inertia must satisfy .*; give them lengths"):
         build(tractor={"track": 1e-6})
 

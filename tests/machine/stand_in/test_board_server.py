@@ -79,7 +79,7 @@ def test_a_taken_address_is_refused_with_what_to_do(computer: socket.socket) -> 
         BoardServer(AioV4(HeldWheel()), host=host, port=port)
 
 
-def test_replies_go_to_the_computer_that_is_told(computer: socket.socket) -> None:
+def test_replies_go_to_the_computer_that_is_given(computer: socket.socket) -> None:
     clock = Clock()
     board = Aio26(HeldWheel(), start=clock.time)
     server = BoardServer(board, port=0, computer=computer.getsockname(), clock=clock)

@@ -80,7 +80,7 @@ def check_yaw(found: Epoch, report: Report, tolerance: float) -> None:
 
 @usual
 @given(reports)
-def test_sentences(report: Report) -> None:
+def test_sentences_are_read_as_what_was_reported(report: Report) -> None:
     found = epoch(nmea.sentences(report))
     check_position(found, report)
     check_motion(found, report)
@@ -98,7 +98,7 @@ def test_sentences(report: Report) -> None:
 
 @usual
 @given(reports)
-def test_blocks(report: Report) -> None:
+def test_blocks_are_read_as_what_was_reported(report: Report) -> None:
     found = epoch(sbf.blocks(report))
     check_position(found, report, 1e-6)
     check_motion(found, report)
@@ -134,7 +134,7 @@ def test_messages_of_u_blox(report: Report) -> None:
 
 @usual
 @given(reports)
-def test_sentences_of_boards(report: Report) -> None:
+def test_sentences_of_boards_are_read_as_what_was_reported(report: Report) -> None:
     found = epoch([nmea.panda(report)])
     check_position(found, report)
     assert found.speed == pytest.approx(report.speed, abs=1e-4)

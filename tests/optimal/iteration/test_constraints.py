@@ -236,7 +236,7 @@ def test_the_plan_moves_on_by_a_sample_and_its_end_is_predicted(solver: ControlS
         ({"intervals_per_sample": 1.5}, "intervals_per_sample must be a whole number from 1 to 100, got 1.5"),
     ],
 )
-def test_what_is_refused(changes: dict[str, Any], complaint: str) -> None:
+def test_a_problem_that_contradicts_itself_is_refused(changes: dict[str, Any], complaint: str) -> None:
     with pytest.raises(SolverError, match=complaint):
         problem(**changes)
 

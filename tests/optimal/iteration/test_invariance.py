@@ -70,7 +70,7 @@ def flip_bounds(solver: Any) -> None:
 
 
 @pytest.mark.parametrize("angle", [0.4, 3.1, -2.0])
-def test_rotation_and_shift(case: Any, angle: float) -> None:
+def test_solution_of_a_turned_and_shifted_problem_is_turned_and_shifted(case: Any, angle: float) -> None:
     shift = np.array([120.0, -45.0])
     model, estimation = case.problem.model, isinstance(case.problem, EstimationProblem)
     states = (*model.states, *model.parameters) if estimation else model.states
@@ -80,7 +80,7 @@ def test_rotation_and_shift(case: Any, angle: float) -> None:
     np.testing.assert_allclose(there_u, u, rtol=0, atol=1e-9)
 
 
-def test_mirror(case: Any) -> None:
+def test_solution_of_a_mirrored_problem_is_mirrored(case: Any) -> None:
     model, estimation = case.problem.model, isinstance(case.problem, EstimationProblem)
     states = (*model.states, *model.parameters) if estimation else model.states
     x, u = run(case, unchanged)

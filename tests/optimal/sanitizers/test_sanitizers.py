@@ -113,7 +113,7 @@ def sanitizers(tmp_path_factory: pytest.TempPathFactory) -> None:
 
 
 @pytest.mark.parametrize("name", UNITS)
-def test_real_time_iteration(name: str, tmp_path: Path) -> None:
+def test_random_iterations_raise_no_sanitizer(name: str, tmp_path: Path) -> None:
     counts = counted(compiled(tmp_path, UNITS[name](), "iteration.c", 6000, SANITIZERS))
     least = 100 if name == "constrained_tractor" else 600  # hard bounds on states, at random, leave few points
     assert counts[SolverStatus.SOLVED] > least, counts
@@ -121,7 +121,9 @@ def test_real_time_iteration(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("free", [False, True])
-def test_quadratic_program(free: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_random_quadratic_programs_raise_no_sanitizer(
+    free: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     units: list[str] = []
 
     def noted(name: str, unit: str) -> Path:

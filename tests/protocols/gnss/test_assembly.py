@@ -219,7 +219,7 @@ def test_one_time_from_the_future_is_dropped_and_changes_no_other_epoch(report: 
     assert stream.dropped == {"epoch ahead of its time": 2}
 
 
-def test_an_epoch_is_never_measured_before_the_last_one_whatever_latency_is_told(report: Maker) -> None:
+def test_an_epoch_is_never_measured_before_the_last_one_whatever_latency_is_reported(report: Maker) -> None:
     stream = EpochStream(EpochSettings())
     told = bytearray(sbf.pvt_geodetic(report(0.02)))
     told[88:90] = (1).to_bytes(2, "little")  # 0.1 ms: a receiver that reports its latency
@@ -314,7 +314,7 @@ def test_a_latency_that_the_receiver_reports_is_taken_off(
     assert epoch.time == pytest.approx(10.0 - 0.01 - 0.0085), "the line's alone, as the receiver tells its own"
 
 
-def test_a_latency_that_nobody_tells_is_what_most_receivers_have(report: Maker) -> None:
+def test_an_unreported_latency_is_what_most_receivers_have(report: Maker) -> None:
     (epoch,) = run(EpochStream(EpochSettings()), [(10.0, [nmea.gga(report())])])
     assert epoch.time == pytest.approx(10.0 - 0.04)
 

@@ -120,7 +120,7 @@ def check(message: Message, name: str, value: Any) -> None:
         assert found(message, kind, field) == expected, name
 
 
-def test_golden_sentences(golden: Callable[[str], Any]) -> None:
+def test_golden_sentences_are_decoded_to_what_they_say(golden: Callable[[str], Any]) -> None:
     sentences = golden("nmea.json")["sentences"]
     assert len(sentences) == 22
     for each in sentences:
@@ -202,7 +202,7 @@ EXPECTED = {
 
 
 @pytest.mark.parametrize("name", EXPECTED)
-def test_golden_frames(golden: Callable[[str], Any], name: str) -> None:
+def test_golden_frames_are_decoded_to_what_they_say(golden: Callable[[str], Any], name: str) -> None:
     message = frames(golden)[name]
     for field, value in EXPECTED[name].items():
         is_number = isinstance(value, float)
@@ -285,7 +285,9 @@ def test_other_qualities_than_satellite_fixes_are_none(code: int) -> None:
         ("8.5,0.011,0.009,12.5,0.010,1e308,0.018", True, -1.0),
     ],
 )
-def test_deviations_that_are_none_are_told_from_missing_ones(gst: str, impossible: bool, east: float | None) -> None:
+def test_deviations_that_are_none_are_distinguished_from_missing_ones(
+    gst: str, impossible: bool, east: float | None
+) -> None:
     message = decoded(sentence(f"GNGST,101530.20,{gst}"))
     assert found(message, Accuracy, "impossible") is impossible
     assert found(message, Accuracy, "east") == (None if east is None else pytest.approx(east))

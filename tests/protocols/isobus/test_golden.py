@@ -111,7 +111,7 @@ def test_weaker_name_is_answered_and_stronger_name_makes_it_move() -> None:
 
 
 @pytest.mark.parametrize(("text", "meaning"), COMMANDS.items())
-def test_command(text: str, meaning: tuple[float, Intention]) -> None:
+def test_system_command_is_the_same_in_both_directions(text: str, meaning: tuple[float, Intention]) -> None:
     decoded = message(text)
     assert (decoded.pgn, decoded.priority, decoded.destination) == (SYSTEM_COMMAND, 3, GLOBAL)
     command = decode_command(decoded.data)
@@ -122,7 +122,7 @@ def test_command(text: str, meaning: tuple[float, Intention]) -> None:
 
 
 @pytest.mark.parametrize(("text", "meaning"), INFOS.items())
-def test_machine_info(text: str, meaning: MachineInfo) -> None:
+def test_machine_info_is_the_same_in_both_directions(text: str, meaning: MachineInfo) -> None:
     decoded = message(text)
     assert (decoded.pgn, decoded.priority) == (MACHINE_INFO, 3)
     assert decode_machine_info(decoded.data) == meaning
@@ -135,7 +135,7 @@ def test_machine_info_of_which_nothing_is_available() -> None:
     assert encode_machine_info(MachineInfo(curvature=0.0)) == decoded.data
 
 
-def test_wheel_speed() -> None:
+def test_wheel_speed_is_the_same_in_both_directions() -> None:
     decoded = message("0CFE4880 DC0540E201000315")
     speed = WheelOrGroundSpeed(speed=1.5, distance=pytest.approx(123.456))
     states = WheelStates(key_on=True, operations=True, reversed_by_operator=False, power_time=180.0)
@@ -151,7 +151,7 @@ def test_ground_speed_in_reverse_is_negative() -> None:
     assert encode_speed(WheelOrGroundSpeed(speed=-1.48, distance=123.0)) == decoded.data
 
 
-def test_selected_speed() -> None:
+def test_selected_speed_is_the_same_in_both_directions() -> None:
     decoded = message("0CF02280 D205DCE00100C009")
     assert decoded.pgn == SELECTED_SPEED
     read = decode_selected_speed(decoded.data)
@@ -161,7 +161,7 @@ def test_selected_speed() -> None:
     assert encode_selected_speed(SELECTED) == decoded.data
 
 
-def test_selected_speed_command() -> None:
+def test_selected_speed_command_is_the_same_in_both_directions() -> None:
     decoded = message("0CFD4380 DC05B80BFFFFFFFD")
     assert decoded.pgn == SELECTED_SPEED_COMMAND
     assert encode_speed_command(1.5, 3.0) == decoded.data

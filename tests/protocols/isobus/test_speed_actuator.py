@@ -128,7 +128,7 @@ def test_a_tractor_that_drives_must_clear_its_exit_reason_within_half_a_second()
 
 
 @pytest.mark.parametrize("reason", [ExitReason.NOT_CALIBRATED, ExitReason.FUNCTION_FAULT, 40])
-def test_other_exit_reasons_stand_against_driving_for_as_long_as_they_are_told(reason: int) -> None:
+def test_other_exit_reasons_stand_against_driving_for_as_long_as_they_are_reported(reason: int) -> None:
     yard = Yard().run(3.0)
     yard.tractor.exit_reason = reason
     assert yard.run(5.0).readiness is Readiness.NOT_READY

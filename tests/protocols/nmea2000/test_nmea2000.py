@@ -77,7 +77,7 @@ def check(position: GnssPosition) -> None:
     assert (position.station, position.correction_age) == (123, pytest.approx(1.2))
 
 
-def test_golden_epoch() -> None:
+def test_golden_messages_of_an_instant_are_one_epoch() -> None:
     receiver = Nmea2000Receiver()
     (epoch,) = epochs([RAPID, *POSITION, *REST], receiver)
     check(epoch.position)

@@ -54,7 +54,7 @@ def test_sets_bounds_and_sources_are_printed_and_drawn(tube, tmp_path):
     assert "http" not in page.replace("http://www.w3.org/2000/svg", "")  # nothing is fetched
 
 
-def test_a_steering_rate_that_counts_as_more_than_declared_is_told(tube):
+def test_a_steering_rate_that_counts_as_more_than_declared_is_reported(tube):
     slow = ("sample_time=0.1", "vehicle.steering_lag=0.13", "vehicle.tractor_steering_rate=0.12")
     left, said = tube("articulated", *slow)
     assert left

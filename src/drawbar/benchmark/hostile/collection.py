@@ -7,7 +7,7 @@ import numpy as np
 
 from drawbar.benchmark.hostile.construct import HostileProblem, optimal_problem
 from drawbar.benchmark.hostile.edge import first_state, hidden_conflict, just_feasible, just_infeasible
-from drawbar.benchmark.hostile.recipe import LATER, RECIPES, Recipe
+from drawbar.benchmark.hostile.recipe import LATER, QUADRATIC_PRICES, RECIPES, Recipe
 from drawbar.benchmark.hostile.rounding import moved_by_rounding
 
 
@@ -32,6 +32,7 @@ CLASSES: dict[str, Callable[[np.random.Generator], HostileProblem]] = {
     **{name: _maker(name, recipe) for name, recipe in LATER.items()},
     "first state": first_state,
     "moved by rounding": moved_by_rounding,
+    "quadratic prices": _maker("quadratic prices", QUADRATIC_PRICES),
 }
 
 

@@ -130,7 +130,8 @@ def _bounds(rng: np.random.Generator, sizes: Sizes, recipe: Recipe, z: Floats) -
     one_sided = rng.random(n) < 0.1
     lower[one_sided & (side < 0)], upper[one_sided & (side > 0)] = -np.inf, np.inf
     soft = states & there & (rng.random(n) < recipe.soft) & (width > 0.0)
-    price, growth = decades(rng, (-1.0, 3.0), n), decades(rng, (-2.0, 2.0), n) * (rng.random(n) < 0.5)
+    price = decades(rng, (-1.0, 3.0), n) * (not recipe.flat)
+    growth = decades(rng, (-2.0, 2.0), n) * ((rng.random(n) < 0.5) | recipe.flat)
     given_way = soft & (side != 0.0) & (rng.random(n) < 0.5)
     beyond = np.where(given_way, decades(rng, (-2.0, 0.0), n), 0.0)
     net = np.where(given_way, side * (price + growth * beyond), np.where(soft, np.clip(net, -price, price), net))

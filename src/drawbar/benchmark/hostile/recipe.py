@@ -54,6 +54,8 @@ class Recipe:
     """share of bounds whose lower and upper side are equal"""
     soft: float = 0.0
     """share of state bounds that are soft"""
+    flat: bool = False
+    """the first unit of a violation costs nothing: all prices are quadratic"""
     duplicates: bool = False
     """SPARE variables are bounded twice, the same or looser"""
     outputs: bool = False
@@ -111,5 +113,6 @@ LATER = {
     "crowded": replace(_PLAIN, sizes=LONGEST, states_bounded=(0.5, 1.0)),
 }
 """found when the others were there; the mixed ones have nothing of them, and stay what they were"""
+QUADRATIC_PRICES = replace(_PLAIN, soft=1.0, flat=True, states_bounded=(0.3, 1.0))
 DENSE = (sizes(1, 12, 8, free_initial=False), sizes(1, 20, 10, free_initial=False))
 """one stage, as a dense program becomes"""

@@ -8,13 +8,11 @@ vehicle has turned, a distance that was wrong counts until it is right again in 
 
 import math
 from collections import deque
-from dataclasses import fields
 from statistics import fmean
 
-from drawbar.geometry import arm_offset
 from drawbar.signals import FixStatus, Pose, SolverStatus, StepRecord
 from drawbar.vehicle.articulated import trailer_antenna
-from drawbar.vehicle.lengths import Lengths
+from drawbar.vehicle.lengths import length_values
 from drawbar.vehicle.parameters import Mast, VehicleParameters
 
 _SPAN = 2.0
@@ -30,7 +28,7 @@ class AntennaDistance:
 
     def __init__(self, vehicle: VehicleParameters, sample_time: float) -> None:
         """Begin without a sample; `sample_time` in s."""
-        self._lengths = Lengths(**{each.name: getattr(vehicle, each.name) for each in fields(Lengths)})
+        self._lengths = length_values(vehicle)
         self._masts = vehicle.masts
         self._differences = deque[tuple[float, float]](maxlen=max(round(_SPAN / sample_time), 1))
         """m, and in which direction the tractor's antenna was, rad"""
@@ -67,8 +65,5 @@ class AntennaDistance:
 
 def _ground(x: float, y: float, body: Pose, mast: Mast, roll: float, pitch: float) -> tuple[float, float]:
     """Return where the point below an antenna is that is measured at (x, y), m."""
-    lean, tilt = (
-        angle if math.isfinite(angle) else 0.0 for angle in (roll - mast.roll_offset, pitch - mast.pitch_offset)
-    )
-    east, north = arm_offset(body.yaw, lean, tilt, mast.arm)
+    east, north = mast.measured_offset(body.yaw, roll, pitch)
     return x - east, y - north

@@ -10,7 +10,6 @@ from collections import deque
 from statistics import fmean
 
 from drawbar.driving.fault_detection.running_rms import MOVES, RunningRms
-from drawbar.geometry import arm_offset
 from drawbar.signals import Pose, SolverStatus, StepRecord
 from drawbar.vehicle.parameters import Mast, Masts
 
@@ -62,8 +61,5 @@ class AntennasApart:
 
 def _left(x: float, y: float, body: Pose, mast: Mast, roll: float, pitch: float) -> float:
     """Return how far to the left of its estimated place an antenna is that is measured at (x, y), m."""
-    lean, tilt = (
-        angle if math.isfinite(angle) else 0.0 for angle in (roll - mast.roll_offset, pitch - mast.pitch_offset)
-    )
-    east, north = arm_offset(body.yaw, lean, tilt, mast.arm)
+    east, north = mast.measured_offset(body.yaw, roll, pitch)
     return (y - body.y - north) * math.cos(body.yaw) - (x - body.x - east) * math.sin(body.yaw)

@@ -20,7 +20,7 @@ class ContradictingSpeeds:
         self.found = False
         """they contradict each other"""
 
-    def hear(self, fixes: Fixes) -> None:
+    def receive_fixes(self, fixes: Fixes) -> None:
         """Update with an epoch; one without the antenna's speed changes nothing."""
         if math.isfinite(fixes.tractor_speed):
             slower, faster = sorted((abs(fixes.wheel_speed), fixes.tractor_speed))

@@ -6,8 +6,8 @@ both antennas have jumped, and the control step would end its run, and with it a
 The estimate first absorbs most of a wrong angle of hitch or joint in yaws and crab angles, and both bodies are steered
 beside the line. A residual of a few degrees remains in both angles, and a smaller one counts where an antenna is
 contradicted as well; a hitch sensor that is reversed (reversed_hitch_sensor.py) or repeats one angle while the estimate
-turns is detected earlier. The control step tests the same residuals (safety/hitch_watch.h), but waits longer: it can
-only end the run. The numbers of both are held together by tests/test_shared_numbers.py.
+turns (stuck_hitch_sensor.py) is detected earlier. The control step tests the same residuals (safety/hitch_watch.h),
+but waits longer: it can only end the run. The numbers of both are held together by tests/test_shared_numbers.py.
 The corrupted samples are computed again without the sensor (rollback.py). Which of the two angles is wrong is not
 observable, so all measurements of the trailer are left out: the tractor keeps to the line by its own antenna, and the
 joint is held at its measured angle (driving/loop/controller.py).
@@ -18,15 +18,14 @@ from collections import deque
 from dataclasses import replace
 from statistics import fmean
 
+from drawbar.driving.fault_detection.confirmation import CONFIRMED
 from drawbar.driving.fault_detection.reversed_hitch_sensor import ReversedHitchSensor
 from drawbar.driving.fault_detection.running_rms import MOVES, RunningRms
-from drawbar.geometry import wrap
+from drawbar.driving.fault_detection.stuck_hitch_sensor import StuckHitchSensor
 from drawbar.safety.sanity import SanitySettings
 from drawbar.signals import FixStatus, Measurement, Pose, SolverStatus, StepRecord
 from drawbar.vehicle.parameters import VehicleParameters
 
-CONFIRMED = 3
-"""samples in a row whose contradiction excludes a sensor"""
 _MEAN_TIME = 1.0
 """time that the mean residuals cover, s"""
 _RESIDUAL, _FACTOR = math.radians(2.8), 7.0
@@ -41,12 +40,6 @@ _ASIDE, _LEAST = 3.0, 0.04
 """root mean squares of it, and m at least, beyond which the antenna is contradicted"""
 _SHARE = 0.65
 """of the limit above, where an antenna is contradicted as well"""
-_TURNED = 0.5
-"""share of the limit of a single hitch angle by which the estimate turns while a stuck sensor does not"""
-_SHIFTED = math.radians(0.7)
-"""the same beside the resolution of a sensor that rarely repeats a value, rad"""
-_FINE, _MARGIN, _SAMPLES = 4, 4, 50
-"""of such a one: longest sequence of repetitions, repetitions beyond twice that, samples until it is representative"""
 
 
 class _AntennaResidual:
@@ -70,41 +63,6 @@ class _AntennaResidual:
         return full and mean > _ASIDE * max(self._rms.value, _LEAST)
 
 
-class _StuckHitchSensor:
-    """Whether the hitch sensor repeats one angle although the estimate turns.
-
-    As estimation/frozen_signal.h, by which the control step decides, a sample earlier.
-    """
-
-    def __init__(self, limit: float) -> None:
-        """Begin without a sample; `limit` of the estimate's turn in rad."""
-        self._limit, self._value, self._resolution = limit, math.nan, math.inf
-        self._least = self._most = math.nan
-        self._repeated = self._longest = self._moving = self._samples = 0
-
-    def update(self, measured: float, estimated: float, *, moves: bool) -> bool:
-        """Update with both angles, rad; return whether it is stuck."""
-        self._moving += moves
-        if measured == self._value:
-            self._repeated += moves
-        else:  # also when it is missing
-            if (change := abs(measured - self._value)) < self._resolution:
-                self._resolution = change
-            self._longest = max(self._longest, self._repeated)
-            self._value, self._least, self._most, self._repeated = measured, estimated, estimated, 0
-        self._least, self._most = min(self._least, estimated), max(self._most, estimated)
-        turned, difference = self._most - self._least, abs(wrap(estimated - measured))
-        self._samples = self._samples + 1 if turned > self._limit and difference > 0.5 * self._limit else 0
-        is_shifted = turned > _SHIFTED + min(self._resolution, _SHIFTED)
-        return self._samples >= CONFIRMED or (is_shifted and self._repeats_too_often)
-
-    @property
-    def _repeats_too_often(self) -> bool:
-        """Whether a sensor of fine resolution has repeated a value more often than is plausible."""
-        fine = self._moving >= _SAMPLES and self._longest <= _FINE
-        return fine and self._repeated >= 2 * self._longest + _MARGIN
-
-
 class FaultExclusion:
     """Contradictions of the positions of both antennas, and of the trailer's angles, over the last samples."""
 
@@ -112,7 +70,7 @@ class FaultExclusion:
         """Begin with nothing excluded; `sample_time` in s."""
         self._hitch_limit = settings.hitch
         self._reversed = ReversedHitchSensor(vehicle, sample_time)
-        self._stuck = _StuckHitchSensor(_TURNED * settings.hitch)
+        self._stuck = StuckHitchSensor(settings.hitch)
         count = max(round(_MEAN_TIME / sample_time), CONFIRMED)
         self._residuals = deque[tuple[float, float]](maxlen=count)
         self._rms = RunningRms(sample_time, prior=_PRIOR, prior_time=_PRIOR_TIME)  # of their norm, rad

@@ -56,7 +56,7 @@ class MirroredSteering:
         self.found = False
         """the steering is mirrored"""
 
-    def hear(self, fixes: Fixes, steering: float, *, suspected: bool = False) -> None:
+    def receive_fixes(self, fixes: Fixes, steering: float, *, suspected: bool = False) -> None:
         """Update with an epoch and the measured angle of the front wheels, rad; begin anew without either, or late.
 
         suspected: the run is stopping as its position is not known well enough, or the hitch angle contradicts.

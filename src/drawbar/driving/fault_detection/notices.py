@@ -9,7 +9,8 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from drawbar.driving.fault_detection.fault_exclusion import CONFIRMED, FaultExclusion
+from drawbar.driving.fault_detection.confirmation import Confirmation
+from drawbar.driving.fault_detection.fault_exclusion import FaultExclusion
 from drawbar.estimation.alignment import YAW_GATE
 from drawbar.geometry import wrap
 from drawbar.messages import Fixes, GateState, SupervisorState, seconds
@@ -71,26 +72,12 @@ class _Pairs:
 
 
 @dataclass(slots=True)
-class _Row:
-    """How many samples in a row something was so."""
-
-    count: int = 0
-
-    def update(self, *, holds: bool) -> None:
-        self.count = self.count + 1 if holds else 0
-
-    @property
-    def is_confirmed(self) -> bool:
-        return self.count >= CONFIRMED
-
-
-@dataclass(slots=True)
 class _Rejections:
     """Rejected positions of one antenna alone, and rejected yaws."""
 
-    tractor: _Row = field(default_factory=_Row)
-    trailer: _Row = field(default_factory=_Row)
-    yaw: _Row = field(default_factory=_Row)
+    tractor: Confirmation = field(default_factory=Confirmation)
+    trailer: Confirmation = field(default_factory=Confirmation)
+    yaw: Confirmation = field(default_factory=Confirmation)
 
 
 class Notices:
@@ -111,11 +98,11 @@ class Notices:
         codes = [cause.value for cause in self._reported][:MOST]
         return (*codes, *[0] * (MOST - len(codes)))
 
-    def hear(self, state: GateState) -> None:
+    def receive_gate(self, state: GateState) -> None:
         """Take in what the gate does."""
         self._stays = state.state in _KEPT
 
-    def hear_fixes(self, fixes: Fixes) -> None:
+    def receive_fixes(self, fixes: Fixes) -> None:
         """Take in an epoch."""
         time = seconds(fixes.epoch)
         for heard, newest in zip(self._receivers, (fixes.tractor_heard, fixes.trailer_heard), strict=True):

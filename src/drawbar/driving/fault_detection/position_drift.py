@@ -15,7 +15,7 @@ A jump beside the velocity by half a metre from one epoch to the next is none fo
 it. But it shows that the positions are wrong, whatever else contradicts the estimate.
 
 Until a drift is seen the estimate follows it, yaws and crab angles included. From then on the velocities' integral
-takes the place of the positions, from where the antennas were before (driving/loop/controller.py).
+takes the place of the positions, from where the antennas were before (sensor_faults.py).
 """
 
 import math
@@ -236,7 +236,7 @@ class PositionDrift:
         (x, y), (trailer_x, trailer_y) = self._tractor.dead_reckoned(), self._trailer.dead_reckoned()
         return replace(measurement, tractor_x=x, tractor_y=y, trailer_x=trailer_x, trailer_y=trailer_y)
 
-    def hear(self, fixes: Fixes) -> None:
+    def receive_fixes(self, fixes: Fixes) -> None:
         """Take in an epoch."""
         self._time = time = seconds(fixes.epoch)
         tractor = self._tractor.add(time, *_motion(fixes, "tractor"))

@@ -9,14 +9,13 @@ rarely negative with a correct sensor.
 
 import math
 from collections import deque
-from dataclasses import fields
 from statistics import fmean
 
 from drawbar.driving.fault_detection.running_rms import MOVES, RunningRms
 from drawbar.geometry import wrap
 from drawbar.signals import Measurement, StepRecord
 from drawbar.vehicle.articulated import tractor_rates, trailer_yaw_rate
-from drawbar.vehicle.lengths import Lengths
+from drawbar.vehicle.lengths import length_values
 from drawbar.vehicle.parameters import VehicleParameters
 
 _SPAN = 0.6
@@ -35,7 +34,7 @@ class ReversedHitchSensor:
 
     def __init__(self, vehicle: VehicleParameters, sample_time: float) -> None:
         """Begin without a sample; `sample_time` in s."""
-        self._lengths = Lengths(**{each.name: getattr(vehicle, each.name) for each in fields(Lengths)})
+        self._lengths = length_values(vehicle)
         self._sample_time = sample_time
         self._last: Measurement | None = None
         self._gamma = 0.0  # tractor yaw minus trailer yaw, simulated, rad

@@ -27,7 +27,7 @@ class SwappedReceivers:
         """Whether the receivers are swapped, or the vehicle rolls backwards."""
         return self._against >= _EPOCHS
 
-    def hear(self, fixes: Fixes) -> None:
+    def receive_fixes(self, fixes: Fixes) -> None:
         """Update with an epoch; one without both positions or any motion is ignored."""
         x, y, velocity = fixed_motion(fixes, "tractor")
         behind_x, behind_y, drawn = fixed_motion(fixes, "trailer")

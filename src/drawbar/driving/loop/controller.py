@@ -1,20 +1,11 @@
 """Controller: the control step between measurements and messages to the gate; time is given to it."""
 
 import math
-from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import replace
 
 from drawbar.config import Configuration
-from drawbar.driving.fault_detection.antenna_distance import AntennaDistance
-from drawbar.driving.fault_detection.antennas_apart import AntennasApart
-from drawbar.driving.fault_detection.contradicting_speeds import ContradictingSpeeds
-from drawbar.driving.fault_detection.fault_exclusion import FaultExclusion
-from drawbar.driving.fault_detection.mirrored_steering import MirroredSteering
-from drawbar.driving.fault_detection.notices import Notices
-from drawbar.driving.fault_detection.position_drift import PositionDrift
 from drawbar.driving.fault_detection.rollback import Rollback
-from drawbar.driving.fault_detection.swapped_receivers import SwappedReceivers
+from drawbar.driving.fault_detection.sensor_faults import Change, SensorFaults
 from drawbar.driving.loop.curve_limits import within_envelope
 from drawbar.driving.loop.driven_line import DrivenLine
 from drawbar.driving.loop.estimate_uncertainty import Uncertainty, uncertainty_of
@@ -22,8 +13,7 @@ from drawbar.errors import DrawbarError, PathError
 from drawbar.geometry import wrap
 from drawbar.guidance.path import Path
 from drawbar.messages import CommandMessage, ControllerState, Fixes, GateState, Mode, SupervisorState
-from drawbar.safety.causes import Cause
-from drawbar.signals import Command, FixQuality, FixStatus, Measurement, Status, StepRecord
+from drawbar.signals import Command, FixQuality, Measurement, Status, StepRecord
 from drawbar.step.build import build_autopilot
 
 VALIDITY = 190_000_000
@@ -74,18 +64,9 @@ class Controller:
         self._uncertainty_of = uncertainty_of(self._autopilot, configuration)
         self.uncertainty = Uncertainty()
         """of the newest estimate"""
-        self._exclusion = FaultExclusion(configuration.sanity, configuration.vehicle, configuration.sample_time)
-        self._drift, self._swapped, self._speeds = PositionDrift(), SwappedReceivers(), ContradictingSpeeds()
-        self._mirrored = MirroredSteering(configuration.vehicle, configuration.sample_time)
-        self._apart = AntennasApart(configuration.vehicle.masts, configuration.sample_time)
-        self._distance = AntennaDistance(configuration.vehicle, configuration.sample_time)
-        self._notices = Notices(self._autopilot)
+        self._faults = SensorFaults(configuration, self._autopilot)
         self._rollback = Rollback(self._autopilot, configuration.sample_time)
         self._gate: GateState | None = None
-        self._dead_reckons = False
-        """positions are where the velocities have led since both antennas began to drift"""
-        self._jumped = False
-        """positions have jumped since it was engaged: where the antennas were before is not known any more"""
         self.has_corrected = False
         """the newest preparation has found another answer to its sample, which `repeat` returns"""
         self._sequence = self._solved = self._overruns = 0
@@ -106,7 +87,7 @@ class Controller:
     def receive_gate(self, state: GateState) -> None:
         """Take in what the gate does."""
         before, self._gate = self.engaged, state
-        self._notices.hear(state)
+        self._faults.receive_gate(state)
         if self.engaged != before:
             self._autopilot.set_engaged(self.engaged)
             self._stands = False
@@ -118,14 +99,7 @@ class Controller:
 
     def receive_fixes(self, fixes: Fixes) -> None:
         """Take in an epoch of the receivers, also one of no sample."""
-        self._drift.hear(fixes)
-        self._notices.hear_fixes(fixes)
-        self._swapped.hear(fixes)
-        self._speeds.hear(fixes)
-        forwards = not self._swapped.found  # backwards it turns the other way
-        angle = self._gate.tractor_angle if self._gate and forwards else math.nan
-        lost = self._gate is not None and self._gate.cause == Cause.POSITION_LOST.value
-        self._mirrored.hear(fixes, angle, suspected=lost or self._status == Status.HITCH)
+        self._faults.receive_fixes(fixes, hitch_contradicts=self._status == Status.HITCH)
 
     def feedback(self, measurement: Measurement, now: int) -> CommandMessage:
         """Return the command that answers a measurement; call prepare() once it is out."""
@@ -133,7 +107,7 @@ class Controller:
         if not self.engaged and self._is_to_begin(measurement):
             self._begin_beside(measurement)
         if self.engaged:
-            measurement = self._believed(measurement)
+            measurement = self._faults.without_faults(measurement)
             self._halt(measurement)
         self._status, self._command = self._rollback.feedback(measurement)
         self._measurement, self._made_engaged = measurement, self.engaged
@@ -149,14 +123,6 @@ class Controller:
             self._stands = stands
             self._autopilot.set_engaged(not stands)
             self._rollback.clear()
-
-    def _believed(self, measurement: Measurement) -> Measurement:
-        """Return a measurement without what is excluded, with positions by dead reckoning where they drift."""
-        if self._speeds.found:
-            measurement = replace(measurement, speed=math.nan)
-        if self._dead_reckons:
-            return self._exclusion.without_trailer(self._drift.dead_reckoned(measurement))
-        return self._exclusion.without_excluded(measurement)
 
     def repeat(self, now: int) -> CommandMessage:
         """Return the newest command again, which acts until the next sample."""
@@ -177,8 +143,9 @@ class Controller:
         Where its angle is excluded, the one that is measured: the joint then stays, instead of being turned by a wrong
         angle until that is right.
         """
-        if self._exclusion.excludes_trailer and self._gate is not None and math.isfinite(self._gate.trailer_angle):
-            return self._gate.trailer_angle
+        measured = math.nan if self._gate is None else self._gate.trailer_angle
+        if self._faults.exclusion.excludes_trailer and math.isfinite(measured):
+            return measured
         return self._configuration.vehicle.joint_sign * self._command.trailer_steering
 
     def prepare(self, late: bool) -> StepRecord:
@@ -193,54 +160,19 @@ class Controller:
         self._solved = self._solved + 1 if self._status.is_new_command and not record.solver_failures else 0
         if not self._status.has_ended:  # a run that has ended estimates nothing more
             self._record = record
-            self._judge(record)
-            self._notices.update(
-                record,
-                self._exclusion,
-                drifts=self._dead_reckons,
-                mirrored=self._mirrored.found,
-                far_apart=self._distance.update(record),
-            )
-            self.uncertainty = Uncertainty() if self._exclusion.is_active else uncertainty
+            if (change := self._faults.update(record, engaged=self.engaged)) is not None:
+                self._recompute(change)
+            self._faults.update_notices(record)
+            self.uncertainty = Uncertainty() if self._faults.exclusion.is_active else uncertainty
         return record
 
     def _newest_uncertainty(self) -> Uncertainty:
         """Return that of the newest estimate: before it is prepared, which counts the next fix as a usual one."""
-        if not self._status.is_new_command or self._exclusion.is_active:
+        if not self._status.is_new_command or self._faults.exclusion.is_active:
             return Uncertainty()
         return self._uncertainty_of(self._autopilot.record().estimate)
 
-    def _judge(self, record: StepRecord) -> None:
-        """Judge what a step says of the sensors; undo what those have done that are excluded from now on.
-
-        An estimate that has followed both antennas has turned; from then on the velocities lead. Positions that they
-        lead to already are not undone.
-        """
-        before = self._exclusion.excludes_trailer
-        self._jumped = self.engaged and (self._jumped or self._drift.has_jumped)
-        drifts = self._drifts(record)
-        self._exclusion.update(record, engaged=self.engaged, moved=drifts or self._jumped)
-        if not self.engaged:
-            self._dead_reckons = False
-            return
-        if drifts and not (self._dead_reckons or self._jumped):
-            self._recompute(self._exclusion.without_excluded)
-            self._drift.begin_dead_reckoning()
-            self._dead_reckons = True
-        elif self._exclusion.excludes_trailer and not before:
-            exclusion = self._exclusion
-            self._recompute(exclusion.without_trailer if self._dead_reckons else exclusion.without_excluded)
-
-    def _drifts(self, record: StepRecord) -> bool:
-        """Return whether positions drift: of both antennas, or slowly of one that the estimate follows."""
-        tractor, trailer = record.estimate.tractor_fix, record.estimate.trailer_fix
-        return self._drift.exists | self._drift.drifts_slowly(
-            tractor=tractor is not FixStatus.REJECTED,
-            trailer=trailer is not FixStatus.REJECTED,
-            apart=self._apart.update(record),
-        )
-
-    def _recompute(self, change: Callable[[Measurement], Measurement]) -> None:
+    def _recompute(self, change: Change) -> None:
         """Compute the last seconds again; the newest answer takes the place of that which was bent."""
         answer = self._rollback.recompute(change)
         if answer is not None:
@@ -266,7 +198,7 @@ class Controller:
             tractor_quality=int(measurement.tractor_fix_quality),
             trailer_quality=int(self._trailer_quality(measurement)),
             wiggled=int(self.wiggled),
-            status=int(Status.BACKWARDS if self._swapped.found else self._status),
+            status=int(Status.BACKWARDS if self._faults.receivers_are_swapped else self._status),
             flags=int(record.flags),
             solved=self._solved,
             overruns=self._overruns,
@@ -282,7 +214,7 @@ class Controller:
             receiver_speed=receiver_speed,
             line_offset=self._line.offset + self._line.nudge,
             against=int(self._line.against),
-            notices=self._notices.codes,
+            notices=self._faults.notices,
         )
 
     def _trailer_quality(self, measurement: Measurement) -> FixQuality:

@@ -13,6 +13,7 @@ from types import TracebackType
 from typing import Self
 
 from drawbar.config import Configuration
+from drawbar.configurations import CONFIGURATION_NAME
 from drawbar.driving.devices.gate_options import gate_options
 from drawbar.driving.messaging.console_options import ConsoleOptions
 from drawbar.driving.messaging.process_options import (
@@ -29,7 +30,6 @@ from drawbar.driving.processes.shutdown import environment, signals_ignored
 from drawbar.errors import HardwareError
 from drawbar.safety.channels import controller_pair
 
-CONFIGURATION_NAME = "config.toml"
 MESSAGES_NAME = "messages.txt"
 """in the folder of the run: what the processes have written"""
 LOSSES = {

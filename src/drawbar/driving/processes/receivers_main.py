@@ -4,6 +4,7 @@
 """
 
 import sys
+from collections.abc import Sequence
 
 from drawbar.config import load_configuration
 from drawbar.driving.devices.path_frame import local_frame
@@ -28,7 +29,7 @@ from drawbar.machine.hardware.navigation import Navigation
 from drawbar.machine.hardware.receiver import Receiver
 from drawbar.machine.hardware.sensor_line import SensorLine
 from drawbar.message_records import encode
-from drawbar.messages import Role, nanoseconds, seconds
+from drawbar.messages import Fixes, Role, nanoseconds, seconds
 from drawbar.realtime import prepare, say, step_back_when_busy
 from drawbar.recording.drive_records import Happening, Kind, Order, RawBytes
 from drawbar.transports.base import Received, Transport
@@ -74,22 +75,27 @@ def main() -> int:
         was_due = navigation.due <= seconds(now)
         found = navigation.poll(seconds(now))
         inputs.note_look(now, was_due=was_due, found=bool(found))
-        for fixes in found:
-            record = encode(fixes)
-            for reader in (CONTROLLER, CONSOLE):
-                endpoint.send(options.socket(reader), record)
-            endpoint.send_queued(options.socket(RECORDER), record)
+        _send(found, endpoint, options)
         heartbeat.pass_time(now)
         if corrections is not None:
             correct(corrections, clock(), receivers[0], receivers)
         watched = [*(each.transport for each in receivers), *([sensors.transport] if sensors else [])]
         descriptors = [each for each in (line.fileno() for line in watched) if each >= 0]
-        most = _CORRECTIONS if corrections is not None else _ASK_AGAIN
-        clock.wait(descriptors, min(min(navigation.due, seconds(heartbeat.due)) - clock(), most))
+        longest = _CORRECTIONS if corrections is not None else _ASK_AGAIN
+        clock.wait(descriptors, min(min(navigation.due, seconds(heartbeat.due)) - clock(), longest))
     for each in (*receivers, corrections, sensors, endpoint):
         if each is not None:
             each.close()
     return 0
+
+
+def _send(found: Sequence[Fixes], endpoint: Endpoint, options: ProcessOptions) -> None:
+    """Send epochs to the controller, the console and the recorder."""
+    for fixes in found:
+        record = encode(fixes)
+        for reader in (CONTROLLER, CONSOLE):
+            endpoint.send(options.socket(reader), record)
+        endpoint.send_queued(options.socket(RECORDER), record)
 
 
 def _sensors(devices: DeviceSettings, inputs: "InputRecorder") -> SensorLine | None:

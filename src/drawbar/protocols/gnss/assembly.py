@@ -25,7 +25,7 @@ _MOST = 100
 _FIRST = 3
 """epochs that are ended by time or silence alone, before it is known what to wait for"""
 _LATENCY, _LINE_LATENCY = 0.04, 0.01
-"""of receiver and line where nobody tells: most have 0.01 to 0.08; and of the line alone, s"""
+"""of receiver and line where neither is known: most have 0.01 to 0.08; and of the line alone, s"""
 _NEW_TIME = 5
 """epochs in a row that continue from each other in the past are a receiver that has set its clock"""
 
@@ -187,22 +187,16 @@ class Assembler:
         return True
 
     def _epoch(self, draft: _Draft, utc: float, solution: Solution) -> Epoch:
-        settings, position = self._settings, solution.position
-        if not self._located and math.isfinite(position.latitude + position.longitude):
-            self._clock.forget()
-            self._located = True
-        usual = _LINE_LATENCY if solution.latency > 0.0 else _LATENCY
-        latency = settings.latency if settings.latency is not None else usual
-        time = self._clock.measured(utc, draft.received - solution.latency) - latency
+        position = solution.position
+        place = (position.latitude, position.longitude)
+        if math.isfinite(sum(place)):
+            self._note_place(place)
+        time = self._measured(utc, draft.received, solution.latency)
         quality = solution.quality
         if quality is not FixQuality.UNKNOWN:  # an attitude alone says nothing of the fix
             quality = self._hold.update(draft.received, quality)
-        place = (position.latitude, position.longitude)
-        if math.isfinite(sum(place)):
-            self._repeats = self._repeats + 1 if place == self._place else 0
-            self._place = place
         by_quality = solution.quality if quality is FixQuality.NONE else quality
-        east, north = sigma(solution.sigma, by_quality, settings.sigma_inflation)
+        east, north = sigma(solution.sigma, by_quality, self._settings.sigma_inflation)
         yaw_rate, age = self._turn(solution, utc)
         return Epoch(
             time=time,
@@ -228,6 +222,20 @@ class Assembler:
             attitude_age=age,
             **solution.attitude,
         )
+
+    def _note_place(self, place: tuple[float, float]) -> None:
+        """Count how often a position repeats itself; with the first one the clock's offset is learned anew."""
+        if not self._located:
+            self._clock.forget()
+            self._located = True
+        self._repeats = self._repeats + 1 if place == self._place else 0
+        self._place = place
+
+    def _measured(self, utc: float, received: float, reported_latency: float) -> float:
+        """Return when an epoch was measured, s."""
+        usual = _LINE_LATENCY if reported_latency > 0.0 else _LATENCY
+        latency = self._settings.latency if self._settings.latency is not None else usual
+        return self._clock.measured(utc, received - reported_latency) - latency
 
     def _turn(self, solution: Solution, utc: float) -> tuple[float, float]:
         """Return the yaw rate of an epoch, rad/s, and its age, s."""

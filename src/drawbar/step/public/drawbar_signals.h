@@ -145,7 +145,7 @@ struct drawbar_measurement {
     double tractor_yaw_rate;            /* counter-clockwise positive, rad/s */
     double trailer_roll;                /* right side down positive, rad */
     double trailer_pitch;               /* nose up positive, rad */
-    double trailer_yaw_rate;            /* counter-clockwise positive, rad/s */
+    double trailer_yaw_rate;            /* counter-clockwise positive; recorded only, nothing uses it, rad/s */
     double tractor_fix_age;             /* of the tractor's position at the time of the sample; 0: not reported,
                                          * `sensors.fixes.age` is used, s */
     double trailer_fix_age;             /* of the trailer's position at the time of the sample; 0: not reported,

@@ -48,7 +48,7 @@ def test_file_of_somebody_else_is_refused(tmp_path: Path) -> None:
         read_login(f"file:{file}")
 
 
-def test_file_that_is_not_there_is_told(tmp_path: Path) -> None:
+def test_file_that_is_not_there_is_reported(tmp_path: Path) -> None:
     with pytest.raises(ConfigurationError, match=r"No such file or directory.*write user:password into it"):
         read_login(f"file:{tmp_path / 'none'}")
     with pytest.raises(ConfigurationError, match="is no file"):
@@ -67,7 +67,7 @@ def test_text_that_is_no_login_is_refused_without_showing_it(tmp_path: Path, tex
     assert "s3cret" not in str(caught.value)
 
 
-def test_variable_that_is_not_set_is_told() -> None:
+def test_variable_that_is_not_set_is_reported() -> None:
     with pytest.raises(ConfigurationError, match="the environment variable CASTER is not set; set it to user:password"):
         read_login("environment:CASTER", {})
 

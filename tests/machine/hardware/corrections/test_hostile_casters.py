@@ -88,7 +88,7 @@ class Serving:
 
 
 @pytest.mark.parametrize("kind", HOSTILE)
-def test_a_hostile_reply_is_told_and_given_up(connect: Callable[..., Bench], kind: str) -> None:
+def test_a_hostile_reply_is_reported_and_given_up(connect: Callable[..., Bench], kind: str) -> None:
     reply, told = HOSTILE[kind]
     with socket.create_server(("127.0.0.1", 0)) as server:
         bench = connect(server.getsockname()[1])

@@ -17,7 +17,7 @@ BROKEN = {
 
 @pytest.mark.parametrize("fault", BROKEN)
 @pytest.mark.parametrize("dialect", [Dialect.V1, Dialect.V2_CHUNKED])
-def test_lost_connection_is_told_and_opened_again(
+def test_lost_connection_is_reported_and_opened_again(
     connect: Callable[..., Bench], fault: CasterFault, dialect: Dialect
 ) -> None:
     with Caster(CasterSettings(dialect=dialect, login=LOGIN, interval=FAST, fault=fault)) as caster:

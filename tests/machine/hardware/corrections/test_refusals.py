@@ -22,7 +22,7 @@ def refusals() -> list[tuple[str, dict[str, object], dict[str, object], str]]:
 @pytest.mark.parametrize(
     ("caster", "client", "told"), [case[1:] for case in refusals()], ids=[c[0] for c in refusals()]
 )
-def test_refusal_is_told_and_not_tried_again_within_a_minute(
+def test_refusal_is_reported_and_not_tried_again_within_a_minute(
     connect: Callable[..., Bench], caster: dict[str, object], client: dict[str, object], told: str
 ) -> None:
     with Caster(CasterSettings(**({"login": LOGIN, "interval": FAST} | caster))) as there:  # type: ignore[arg-type]

@@ -43,7 +43,7 @@ def test_caster_that_cannot_prove_its_name_gets_no_password(connect: Callable[..
         assert not caster.requests
 
 
-def test_caster_without_tls_is_told(connect: Callable[..., Bench]) -> None:
+def test_caster_without_tls_is_reported(connect: Callable[..., Bench]) -> None:
     with Caster(CasterSettings(login=LOGIN, interval=FAST)) as caster:
         bench = connect(caster.port, tls=True)
         bench.until(lambda: bench.client.fileno() != -1)
