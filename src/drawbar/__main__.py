@@ -28,6 +28,7 @@ def main() -> None:
     try:
         if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
             signal.signal(signal.SIGINT, interrupt)
+            sys.unraisablehook = _tell_unless_interrupted
         from drawbar.cli.main import main as program  # takes a while
 
         if interrupted:  # and whatever ran at that instant, such as a destructor, dropped it
@@ -43,6 +44,12 @@ def main() -> None:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         print("interrupted", file=sys.stderr)
         sys.exit(_INTERRUPTED)
+
+
+def _tell_unless_interrupted(dropped: "sys.UnraisableHookArgs") -> None:
+    """Print an error that Python drops, as in a destructor, unless it is an interrupt, which ends the program later."""
+    if dropped.exc_type is not KeyboardInterrupt:
+        sys.__unraisablehook__(dropped)
 
 
 def _in_casadi(frame: FrameType | None) -> bool:

@@ -90,13 +90,14 @@ def _member(text: str, words: str) -> str:
 
 
 def _enumeration(kind: type[IntEnum] | type[IntFlag], name: str = "", prefix: str = "") -> str:
-    """Return an enumeration, under its own names unless others are given."""
+    """Return an enumeration, under its own names unless others are given; C++98 has no comma behind the last member."""
     if not name:
         name, prefix = _ENUMERATIONS[kind]
-    words, lines = declared_words(kind), []
-    for member in kind:
+    words, members, lines = declared_words(kind), list(kind), []
+    for member in members:
         comment = getattr(member, "text", "") or words.get(str(member.name), "")
-        lines.append(_member(f"{prefix}{member.name} = {member.value},", comment))
+        comma = "," if member is not members[-1] else ""
+        lines.append(_member(f"{prefix}{member.name} = {member.value}{comma}", comment))
     return f"/* {kind.__doc__} */\nenum {name} {{\n" + "\n".join(lines) + "\n};\n"
 
 

@@ -13,7 +13,7 @@
 enum monitor_verdict {
     ON_COURSE = 0,
     OFF_COURSE = 1,                     /* the tractor is too far from the path, or its distance is not known */
-    BLIND = 2,                          /* neither antenna has had an accepted fix for too long */
+    BLIND = 2                           /* neither antenna has had an accepted fix for too long */
 };
 
 /* The path as one body's controller sees it: the closest point and one sample for each stage. */

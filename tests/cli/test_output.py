@@ -48,6 +48,14 @@ def test_an_empty_name_of_what_is_to_be_written_is_refused(arguments, tmp_path, 
     assert not list(tmp_path.iterdir())
 
 
+def test_a_dash_makes_no_file_of_that_name(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    done = CliRunner().invoke(app, ("log", "export", "run", "--csv", "-"))
+    assert done.exit_code == 2
+    assert "/dev/stdout for standard output" in " ".join(done.output.replace("│", " ").split())
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.skipif(os.name != "posix", reason="closes standard output as a shell does by >&-")
 @pytest.mark.parametrize("closed", [">&-", ">&- <&-", ">&- 2>&-"])
 def test_closed_standard_files_are_as_the_null_device(closed, tmp_path):

@@ -218,6 +218,40 @@ def test_it_engages_and_stops_and_loads_nothing_from_elsewhere(drive, page):
     assert page.troubles == []
 
 
+WITH_MANY_MESSAGES = """() => {
+  const [map, list, stop] = [".map", ".why", ".stop"].map((each) => document.querySelector(each));
+  const sentence = "<li><b>The receivers have no RTK fix for long enough</b><span>Wait under open sky</span></li>";
+  list.querySelector("ol").innerHTML = sentence.repeat(8);
+  const sizes = () => [map.offsetHeight, list.offsetHeight, stop.getBoundingClientRect().bottom];
+  return [sizes(), (list.focus(), sizes())];
+}"""
+"""heights of map and list, and where STOP ends, before and while the list has the focus"""
+
+
+def open_on_phone(drive, page, height):
+    page.set_viewport_size({"width": 360, "height": height})
+    page.goto(drive)
+    for each in (".why li", ".chips li"):
+        page.locator(each).first.wait_for()
+
+
+@pytest.mark.parametrize("height", [640, 740])
+def test_many_messages_leave_room_for_the_map_and_the_stops(drive, page, height):
+    open_on_phone(drive, page, height)
+    (map_height, short, bottom), (_, whole, bottom_below_whole) = page.evaluate(WITH_MANY_MESSAGES)
+    assert map_height >= 180 or short == 52
+    assert whole > short
+    assert bottom == bottom_below_whole <= height
+
+
+@pytest.mark.parametrize("height", [581, 632])
+def test_whatever_stands_above_them_no_stop_is_cut_off_on_a_low_phone(drive, page, height):
+    open_on_phone(drive, page, height)
+    page.evaluate("document.querySelector('.lease').style.minHeight = '200px'")
+    bottoms = "(all) => all.map((each) => each.getBoundingClientRect().bottom)"
+    assert max(page.locator(".stops button").evaluate_all(bottoms)) <= height
+
+
 def test_signals_are_plotted_by_their_words_with_their_names_beside(drive, page):
     page.goto(f"{drive}inside")
     page.wait_for_function("[...plots.values()].some(({ rows }) => rows.length > 3)")

@@ -28,6 +28,7 @@ from drawbar.messages import Action, OperatorMessage
 from drawbar.simulation import build_path
 from drawbar.step.build import build_tubes
 from drawbar.step.layout import packed
+from drawbar.vehicle.parameters import Mast, Masts, VehicleParameters
 
 NOTHING_DECLARED = [
     f"tube.{body}.{what}={{}}"
@@ -79,14 +80,19 @@ def test_the_drawn_bodies_are_joined_where_the_vehicle_is(record):
 
 
 def test_away_from_any_line_both_bodies_are_drawn_where_their_receivers_are():
-    place = moving_by_hand((10.0, 5.0, 0.0), fixes_of(7.0, 5.0), (-1.0, 1.5))
+    lengths = {"hitch_length": 1.2, "drawbar_length": 0.2, "trailer_length": 1.5, "trailer_antenna": 0.2}
+    vehicle, silent = VehicleParameters(**lengths), fixes_of(math.nan, math.nan)
+    place = moving_by_hand((10.0, 5.0, 0.0), fixes_of(7.0, 5.0), vehicle)
     assert place.tractor == (10.0, 5.0, 0.0)
     assert place.trailer == (7.0, 5.0, 0.0)
-    turning = moving_by_hand((10.0, 5.0, 0.5 * math.pi), fixes_of(8.0, 4.0), (-1.0, 1.5))
+    turning = moving_by_hand((10.0, 5.0, 0.5 * math.pi), fixes_of(8.0, 4.0), vehicle)
     assert turning.trailer == pytest.approx((8.0, 4.0, 0.0)), "it faces where the tractor pulls it"
-    alone = moving_by_hand((10.0, 5.0, 0.0), fixes_of(math.nan, math.nan), (-1.0, 1.5))
+    alone = moving_by_hand((10.0, 5.0, 0.0), silent, vehicle)
     assert alone.trailer == pytest.approx((7.5, 5.0, 0.0))
-    assert moving_by_hand((10.0, 5.0, math.nan), fixes_of(math.nan, math.nan), (-1.0, 1.5)) is None
+    behind = VehicleParameters(**lengths, masts=Masts(trailer=Mast(forward=-2.0, left=0.5)))
+    swung = moving_by_hand((10.0, 5.0, 0.5 * math.pi), fixes_of(6.5, 4.5), behind)
+    assert swung.trailer == pytest.approx((8.5, 4.0, 0.0)), "its antenna stands behind it and to its left"
+    assert moving_by_hand((10.0, 5.0, math.nan), silent, vehicle) is None
     assert json.loads(json.dumps(place.to_browser())) == place.to_browser()
 
 

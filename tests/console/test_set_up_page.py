@@ -186,6 +186,21 @@ def test_the_drawing_is_to_scale_and_has_a_letter_for_every_length():
     assert all(left <= x <= left + width and top <= y <= top + height for x, y in places)
 
 
+def test_antennas_beyond_the_axles_and_the_sides_are_drawn_whole():
+    changes = [
+        "vehicle.masts.tractor={forward=3.0, left=-2.0, up=3.0}",
+        "vehicle.masts.trailer={forward=-3.0, left=2.0}",
+    ]
+    root = ElementTree.fromstring(vehicle_drawing(load_configuration("articulated", changes).vehicle))
+    left, _, width, _ = map(float, root.get("viewBox").split())
+    antennas = [(float(each.get("cx")), float(each.get("cy"))) for each in root.findall("circle[@class='antenna']")]
+    assert len(antennas) == 3
+    assert all(left < x - 0.09 and x + 0.09 < left + width for x, _ in antennas)
+    (ground,) = (float(each.get("y1")) for each in root.findall("line[@class='ground']"))
+    rows = [float(each.get("y1")) for each in root.findall("line[@class='end']")]
+    assert ground < -2.09 < 2.09 < min(rows)
+
+
 def test_an_antenna_without_a_mast_has_its_letters_too():
     root = ElementTree.fromstring(vehicle_drawing(load_configuration("articulated").vehicle))
     letters = [each.text for each in root.findall("g[@class='letter']/text")]

@@ -17,6 +17,7 @@ from distributed import Client
 from short_run import Drawbar
 
 from drawbar.experiment import command
+from drawbar.experiment.analysis import failures_told
 from drawbar.experiment.experiment import Experiment
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
@@ -160,6 +161,38 @@ def test_tables_that_need_a_case_that_was_not_chosen_give_way_to_the_means(
     assert code == 0, said
     assert "small: no result of articulated: means, not its own tables" in said
     assert "| slow | 1/1 |" in results(experiment)
+
+
+PICTURE = """from drawbar.experiment.elements import Picture
+def report(measured):
+    return [Picture(name="p", caption="c", draw=lambda figure: figure / 0)]
+"""
+FAILING = {
+    "module": ("x = 1\ny = z\n", 2, "NameError: name 'z' is not defined"),
+    "syntax": ("def figures(:\n", 1, "SyntaxError: "),
+    "figures": ("def figures(result):\n    return {}['late']\n", 2, "KeyError: 'late', of 'articulated'"),
+    "report": ("def report(measured):\n    return 1 // 0\n", 2, "ZeroDivisionError: "),
+    "picture": (PICTURE, 3, "TypeError: "),
+}
+
+
+@pytest.mark.parametrize("where", FAILING)
+def test_what_an_own_analysis_raises_is_told_by_its_line(
+    drawbar, on_cluster: None, two_cases: str, write_experiment: Write, where: str
+) -> None:
+    experiment = write_experiment(two_cases)
+    analysis, line, error = FAILING[where]
+    file = experiment.folder / "analysis.py"
+    file.write_text(analysis, "utf-8")
+    code, said = drawbar(str(experiment.folder), "--seeds", "1")
+    assert code == 2
+    assert f"error: {file}:{line}: {error}" in said
+    assert "mend the analysis there" in said
+
+
+def test_what_drawbar_itself_raises_is_no_failure_of_the_analysis(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="own"), failures_told(tmp_path):
+        raise ValueError("own")
 
 
 def test_an_experiment_of_which_nothing_is_left_keeps_its_results(

@@ -22,11 +22,13 @@ def test_failures_and_the_end_are_always_shown(terminal: bool, monkeypatch: pyte
     stream = io.StringIO()
     console = Console(file=stream, force_terminal=terminal, width=120)
     with RunsProgress(console, "tube") as shown:
-        shown.begin("runs", 3, done=1)
+        shown.begin("runs", 4, done=1)
+        shown.advance("no such column")
         shown.advance("no such column")
         assert "failed: no such column" in stream.getvalue()
-        assert "3/3" not in stream.getvalue()
+        assert "4/4" not in stream.getvalue()
         shown.advance()
     assert "tube, runs" in stream.getvalue()
-    assert "3/3" in stream.getvalue()
-    assert "1 failed" in stream.getvalue()
+    assert "4/4" in stream.getvalue()
+    assert "2 failed" in stream.getvalue()
+    assert stream.getvalue().count("no such column") == 1

@@ -118,7 +118,9 @@ def test_every_header_is_included_by_something(exported) -> None:
     assert included == {file.name for file in files if file.suffix == ".h"}
 
 
-@pytest.mark.parametrize("language", [("c", *WARNINGS), ("c++", "-std=c++11", "-Wall", "-Wextra", "-Werror")])
+@pytest.mark.parametrize(
+    "language", [("c", *WARNINGS), ("c++", "-std=c++98", "-Wall", "-Wextra", "-Wpedantic", "-Werror")]
+)
 @pytest.mark.parametrize("name", PUBLIC)
 def test_a_public_header_needs_no_other_before_it(
     exported, name: str, language: tuple[str, ...], tmp_path: Path

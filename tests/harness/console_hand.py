@@ -24,9 +24,11 @@ class Hand:
 
     def __init__(self, processes, configuration):
         self._endpoint, gate = Endpoint(processes.options.socket(CONSOLE)), processes.options.socket(GATE)
-        mast = configuration.vehicle.masts.tractor
         self.link = Link(
-            lambda message: self._endpoint.send(gate, encode(message)), Audit(None), time.monotonic_ns, mast
+            lambda message: self._endpoint.send(gate, encode(message)),
+            Audit(None),
+            time.monotonic_ns,
+            configuration.vehicle,
         )
         self._visitor = Visitor(token="one", number=1, name="one", rank=Rank.MAINTAINER)
 

@@ -48,7 +48,6 @@ STANDING = {
     "steered": 0,
     "tubes": [0.1, 0.2],
 }
-STANDING |= {"tractorJoint": 0, "trailerJoint": 0}
 TICK = 20_000_000
 """ns"""
 
@@ -64,7 +63,7 @@ class Stage:
         self.causes, self.standing, self.silent = set(), False, False
         self.sent = []
         self.configuration = load_configuration("articulated")
-        self.link = Link(self._send, Audit(audit), lambda: self.now, self.configuration.vehicle.masts.tractor)
+        self.link = Link(self._send, Audit(audit), lambda: self.now, self.configuration.vehicle)
         folder = folder or Path("nowhere")
         self.workshop = Workshop(
             self.configuration,

@@ -163,8 +163,12 @@ def test_a_log_with_a_state_that_there_is_not_is_refused_and_its_report_says_so(
 @pytest.mark.skipif(sys.platform == "win32", reason="an open file is not removed there")
 def test_a_log_that_is_removed_is_reported_and_one_that_is_renamed_goes_on(tmp_path, header_and_scene):
     log = DriveLog(tmp_path / "log.mcap", *header_and_scene)
+    assert log.is_in_place
     (tmp_path / "log.mcap").rename(tmp_path / "renamed.mcap")
     log.flush()
+    assert not log.is_in_place
+    (tmp_path / "log.mcap").write_bytes(b"another")
+    assert not log.is_in_place
     (tmp_path / "renamed.mcap").unlink()
     with pytest.raises(StorageError, match=r"log\.mcap: the log was removed"):
         log.flush()

@@ -6,6 +6,8 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
+from drawbar.messages import SupervisorState
+from drawbar.recording.drive_events import Became
 from drawbar.recording.log import Outcome
 from drawbar.report import decimation
 from drawbar.report.metrics import compute_metrics
@@ -37,9 +39,10 @@ class Elements(HTMLParser):
             self.visible.append(data)
 
 
-def render(log):
+def render(log, events=()):
     errors = true_path_errors(log)
-    return render_page(log, compute_metrics(log, errors if log.has_truth else estimated_path_errors(log)), errors)
+    metrics = compute_metrics(log, errors if log.has_truth else estimated_path_errors(log))
+    return render_page(log, metrics, errors, events)
 
 
 def data_of(page):
@@ -170,3 +173,13 @@ def test_a_drive_that_was_never_steered_shows_no_tables_of_dashes(never_steered)
     text = "".join(Elements(render(never_steered)).visible)
     assert "Solver, µs" in text
     assert "yaw error" not in text
+
+
+def test_a_run_without_a_step_is_headed_as_a_run_and_a_drive_as_a_drive(make_run):
+    nothing = make_run(steps=0)
+    blind = dataclasses.replace(
+        run := make_run(steps=3), records=tuple(dataclasses.replace(each, truth=None) for each in run.records)
+    )
+    began = Became(time=0.0, state=SupervisorState.STANDBY, cause=None)
+    for log, events, kind in ((nothing, [], "run"), (nothing, [began], "drive"), (blind, [], "drive")):
+        assert f"drawbar {kind}" in "".join(Elements(render(log, events)).visible)

@@ -11,7 +11,7 @@ from drawbar.message_records import decode, encode
 from drawbar.messages import Action, CommandMessage, GateState, Heartbeat, Mode, Role, SupervisorState
 from drawbar.safety import machine_gate
 from drawbar.safety.causes import Cause
-from drawbar.safety.engagement import ACTIVE, DEGRADED, ENGAGING, FAULT, READY, STANDBY
+from drawbar.safety.engagement import ACTIVE, DEGRADED, ENGAGING, FAULT, READY, STANDBY, STEERING
 from drawbar.safety.machine_gate import Gate
 from drawbar.safety.wires import Wire
 from drawbar.transports.base import Received
@@ -91,6 +91,17 @@ def test_while_driving_the_command_of_the_controller_reaches_the_actuators():
     assert shown.tractor_angle == pytest.approx(0.1)
     assert shown.tractor_angle_time == bench.ns()
     assert (shown.clips, shown.rejects, shown.refusals) == (0, 0, (0,) * 8)
+
+
+@pytest.mark.parametrize("false", [{"receiver_speed": 10.0}, {"wheel_speed": 10.0}, {"wheel_speed": 0.0}])
+def test_boards_are_told_no_false_speed_at_which_they_release_or_turn_no_wheel(false):
+    bench = driving()
+    bench.controller = false
+    bench.run(0.2)
+    bench.controller = {}
+    bench.run(0.2)
+    assert all(0.9 < request.speed < 1.5 for _, request in bench.tractor.requests[-8:])
+    assert bench.state in STEERING
 
 
 def test_without_a_trailer_actuator_the_tractor_is_steered_alone():

@@ -61,6 +61,23 @@ def test_while_it_is_not_known_it_grows_no_faster_than_the_vehicle_can():
     assert speeds.largest(13.0) == 3.9
 
 
+def test_what_boards_are_told_follows_no_false_report():
+    speeds = Speeds(SETTINGS)
+    assert speeds.believable(9.9) == 0.0, "none has come"
+    reports = [(2.0, 2.0), (2.0, -2.1), (2.0, 10.0), (0.0, 2.0), (1.9, math.nan), (math.nan, math.nan)]
+    told = []
+    for tick, (wheels, receiver) in enumerate(reports):
+        speeds.add(12.0 + 0.2 * tick, "wheels", wheels)
+        speeds.add(12.0 + 0.2 * tick, "receiver", receiver)
+        told.append(speeds.believable(12.0 + 0.2 * tick))
+    assert told == pytest.approx([2.0, 2.1, 2.4, 2.0, 2.0, 2.0])
+    assert speeds.believable(14.0) == 1.9, "none is fresh"
+    speeds.add(14.1, "receiver", 10.0)
+    assert speeds.believable(14.1) == SETTINGS.envelope.speed, "as fast as this machine is ever driven"
+    speeds.add(14.3, "receiver", 0.0)
+    assert speeds.believable(14.3) == 0.0, "at once"
+
+
 def test_it_stands_only_for_certain():
     speeds = Speeds(SETTINGS)
     assert not speeds.stands(10.0, 0.05)

@@ -50,9 +50,11 @@ def changing(example: str) -> OptionInfo:
 
 
 def written(text: str) -> FilePath:
-    """Return the path of what is to be written; an empty one would be the working directory."""
+    """Return the path of what is to be written; "" would be the working directory, "-" a file of that name."""
     if not text:
         raise typer.BadParameter("is empty; name a file or folder, or leave the option out")
+    if text == "-":
+        raise typer.BadParameter("'-': is no name here; name a file or folder, /dev/stdout for standard output")
     return FilePath(text)
 
 

@@ -142,7 +142,7 @@ CAUSES_DE: Mapping[Cause, tuple[str, str]] = {
     Cause.NO_OPERATOR: ("kein Bediener meldet sich",
         "diese Seite offen lassen, oder die Tastatur neu starten"),
     Cause.NOT_RECORDING: (
-        "es wird nichts aufgezeichnet: der Datenträger ist voll oder zu langsam, oder die Aufzeichnung läuft nicht",
+        "es wird nichts aufgezeichnet: Datenträger voll, zu langsam oder fort, oder die Aufzeichnung läuft nicht",
         "drawbar lenkt weiter; bei Gelegenheit anhalten, Platz schaffen, drawbar neu starten"),
     Cause.NOT_GUARDED: ("der zweite Wächter, der die Lenkungen löst, wenn der erste ausfällt, schweigt",
         "drawbar lenkt weiter; bei Gelegenheit anhalten, andere Programme beenden, drawbar neu starten"),

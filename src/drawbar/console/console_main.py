@@ -82,8 +82,7 @@ def _build(options: ConsoleOptions) -> "tuple[Endpoint, Link, Pages]":
     path, _ = build_path(configuration)
     endpoint = Endpoint(drive.socket(CONSOLE))
     audit = Audit(Path(options.audit) if options.audit else None)
-    mast = configuration.vehicle.masts.tractor
-    link = Link(gate_sender(endpoint, drive), audit, time.monotonic_ns, mast)
+    link = Link(gate_sender(endpoint, drive), audit, time.monotonic_ns, configuration.vehicle)
     kept = without_stand_ins(configuration) if options.stand_ins else configuration
     frame, width = local_frame(configuration), configuration.path.working_width
     workshop = Workshop(kept, configuration, frame, fields=Path(options.fields), setup=Path(options.setup))

@@ -13,7 +13,7 @@ from drawbar.control.tube.tube import SubsystemTube
 from drawbar.errors import DrawbarError
 from drawbar.fields.exchange import read_fields
 from drawbar.fields.lines import on_plane
-from drawbar.geometry import Floats, LocalFrame
+from drawbar.geometry import Floats, LocalFrame, arm_offset, wrap
 from drawbar.guidance.importers.load import LINE_FILES
 from drawbar.guidance.path import LEAST_STRETCH, Path
 from drawbar.messages import Fixes
@@ -159,21 +159,26 @@ def moving(record: StepRecord) -> Moving | None:
     )
 
 
-def moving_by_hand(place: tuple[float, float, float], fixes: Fixes, joints: tuple[float, float]) -> Moving | None:
+def moving_by_hand(place: tuple[float, float, float], fixes: Fixes, vehicle: VehicleParameters) -> Moving | None:
     """Return where both bodies are by their receivers alone, away from any line; None: where they face is not known.
 
     Args:
         place: of the tractor, with its yaw, NaN if not known.
         fixes: of both receivers.
-        joints: how far ahead of the tractor's and the trailer's place they are joined, m.
+        vehicle: its lengths and masts; the steered joint is taken as straight.
     """
     x, y, yaw = place
     if not math.isfinite(yaw):
         return None
-    joint = x + joints[0] * math.cos(yaw), y + joints[0] * math.sin(yaw)
-    trailer = fixes.trailer_x, fixes.trailer_y, math.atan2(joint[1] - fixes.trailer_y, joint[0] - fixes.trailer_x)
-    if not math.isfinite(sum(trailer)):  # it has no receiver: drawn straight behind
-        trailer = joint[0] - joints[1] * math.cos(yaw), joint[1] - joints[1] * math.sin(yaw), yaw
+    joint = x - vehicle.free_joint_offset * math.cos(yaw), y - vehicle.free_joint_offset * math.sin(yaw)
+    reach = vehicle.drawbar_length + vehicle.trailer_length - vehicle.trailer_antenna
+    forward, left, _ = vehicle.masts.trailer.arm
+    faces = math.atan2(joint[1] - fixes.trailer_y, joint[0] - fixes.trailer_x) - math.atan2(-left, reach - forward)
+    if math.isfinite(faces):
+        east, north = arm_offset(faces, 0.0, 0.0, (forward, left, 0.0))
+        trailer = fixes.trailer_x - east, fixes.trailer_y - north, wrap(faces)
+    else:  # it has no receiver: drawn straight behind
+        trailer = joint[0] - reach * math.cos(yaw), joint[1] - reach * math.sin(yaw), yaw
     return Moving(tractor=(x, y, yaw), trailer=trailer, steering=0.0, plans=([], []))
 
 

@@ -30,7 +30,6 @@ class DrivePage:
         """Build the page; standing, lines: what does not move by itself (drawing.py); login: visitors may log out."""
         self._link, self._visitor, self._words, self._lines = link, visitor, words, lines
         self._speed, self._working_width = float(standing["speed"]), float(standing["workingWidth"])
-        self._joints = float(standing["tractorJoint"]), float(standing["trailerJoint"])
         self._offset, self._lost = 0.0, False
         self._shown: Board | None = None
         self._taps = Taps()
@@ -89,7 +88,7 @@ class DrivePage:
         link, place = self._link, self._link.surveyor.shown
         if link.moving is not None or place is None or link.fixes is None:
             return link.moving
-        return moving_by_hand(place, link.fixes, self._joints)
+        return moving_by_hand(place, link.fixes, link.vehicle)
 
     def _announce_lost_record(self) -> None:
         """Tell, once, that nothing is recorded any more: steering continues, and the list of warnings may be long."""

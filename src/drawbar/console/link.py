@@ -23,7 +23,7 @@ from drawbar.messages import Action, ControllerState, Fixes, GateState, Operator
 from drawbar.safety.desk import ALWAYS
 from drawbar.safety.engagement import STEERING
 from drawbar.step.layout import unpacked
-from drawbar.vehicle.parameters import Mast
+from drawbar.vehicle.parameters import VehicleParameters
 
 STALE = 1_000_000_000
 """without a state of the gate for so long, what is shown is old, ns"""
@@ -45,10 +45,14 @@ class Link:
     """What the console knows of the drive, and its sessions."""
 
     def __init__(
-        self, send: Callable[[OperatorMessage], None], audit: Audit, clock: Callable[[], int], mast: Mast
+        self,
+        send: Callable[[OperatorMessage], None],
+        audit: Audit,
+        clock: Callable[[], int],
+        vehicle: VehicleParameters,
     ) -> None:
-        """Take what hands a message to the gate, the audit log, the monotonic clock in ns, and the tractor's mast."""
-        self._send, self._audit, self.clock = send, audit, clock
+        """Take what hands a message to the gate, the audit log, the monotonic clock in ns, and the vehicle."""
+        self._send, self._audit, self.clock, self.vehicle = send, audit, clock, vehicle
         self._nonces = itertools.count(time.monotonic_ns())  # larger than those of any other front end
         self._own = Operator(1, send, self._nonces)
         self._subscribe_due = self._stepped = 0
@@ -62,7 +66,7 @@ class Link:
         """the newest control steps"""
         self._fixes: Fixes | None = None
         self.devices = DeviceRates()
-        self.surveyor = Surveyor(mast, clock)
+        self.surveyor = Surveyor(vehicle.masts.tractor, vehicle.wheelbase, clock)
         self.hand_log = HandLog()
         self.pushing: PushCalibration | None = None
         """the bare valve is being pushed, by one page"""
@@ -138,7 +142,9 @@ class Link:
             self._motion = Motion(1e-9 * message.epoch, message.tractor_speed, message.tractor_yaw_rate)
             fresh = self.moving is not None and self.clock() - self._stepped <= STALE
             self.surveyor.receive_fixes(
-                message, self.moving.tractor[2] if self.moving is not None and fresh else math.nan
+                message,
+                self.moving.tractor[2] if self.moving is not None and fresh else math.nan,
+                self.gate.tractor_angle if self.gate is not None else math.nan,
             )
 
     def _receive_step(self, datagram: PackedStep) -> None:

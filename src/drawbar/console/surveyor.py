@@ -13,11 +13,13 @@ from drawbar.signals import FixQuality
 from drawbar.vehicle.parameters import Mast
 
 _COURSE = 0.5
-"""faster than this a receiver's course tells the tractor's yaw, driving forward, m/s"""
+"""faster than this a receiver's course is its antenna's direction of motion, m/s"""
 _AHEAD = 0.1
-"""an antenna at least so far ahead of the rear axle pulls it behind itself, m"""
+"""an antenna that moves at least so far ahead of the rear axle pulls it behind itself, m"""
 _PULL = 0.3
-"""how far behind another antenna a point follows it, whose direction is the yaw while the course is not known, m"""
+"""how far behind a slow antenna a point follows it, whose direction is that of its motion, m"""
+_STEP = 0.05
+"""an antenna has moved once it is so far from where it was, m; less is noise"""
 FRESH = 1_000_000_000
 """a position older than this is none, ns"""
 
@@ -25,51 +27,63 @@ FRESH = 1_000_000_000
 class Surveyor:
     """Takes the receivers' fixes; a curve continues to be recorded whether a page is open or not."""
 
-    def __init__(self, mast: Mast, clock: Callable[[], int]) -> None:
-        """Take where the tractor's antenna stands, and the monotonic clock in ns."""
-        self._mast, self._clock = mast, clock
+    def __init__(self, mast: Mast, wheelbase: float, clock: Callable[[], int]) -> None:
+        """Take where the tractor's antenna stands, its wheelbase (m), and the monotonic clock in ns."""
+        self._mast, self._wheelbase, self._clock = mast, wheelbase, clock
         self._fixes: Fixes | None = None
         self._yaw = math.nan
-        self._behind = np.full(2, math.nan)
-        """the point that the antenna pulls, m"""
+        self._moved_from = np.full(2, math.nan)
+        """where the antenna was at its last motion, upright, m"""
         self.track: Track | None = None
         """the curve that is being recorded; None: none is"""
         self.a: tuple[float, float] | None = None
         """point A, east and north in the drive's frame, m"""
 
-    def receive_fixes(self, fixes: Fixes, yaw: float) -> None:
-        """Take in fixes, with the tractor's yaw as far as the estimator knows it, rad; NaN: not now."""
+    def receive_fixes(self, fixes: Fixes, yaw: float, steering: float) -> None:
+        """Take in fixes, the yaw as the estimator knows it and the measured wheel angle, rad; NaN: unknown."""
         known = self._yaw if self._antenna() is not None else math.nan  # after a gap it may face anywhere
         self._fixes = fixes
-        self._yaw = yaw if math.isfinite(yaw) else self._pulled(known)
-        self._follow()
+        self._yaw = yaw if math.isfinite(yaw) else self._followed(known, steering if math.isfinite(steering) else 0.0)
+        moved = self._upright(self._yaw)
+        if math.isfinite(yaw) or not math.dist(moved, self._moved_from) < _STEP:
+            self._moved_from = moved
         if self.track is not None and (place := self._place()) is not None:
             self.track.add(*place)
 
-    def _pulled(self, known: float) -> float:
+    def _followed(self, known: float, steering: float) -> float:
         """Return the yaw by how the antenna has moved; known: it was so before, rad.
 
-        The axle's middle moves along the yaw alone, at any speed: an antenna ahead of it pulls it behind itself. That
-        antenna's course is not the yaw, since in a curve it swings outward.
+        The axle's middle moves along the yaw alone, at any speed: an antenna that moves ahead of it pulls it behind
+        itself. Any other antenna swings aside in curves by what the measured wheel angle says.
         """
         fixes, (forward, left, _) = self._fixes, self._mast.arm
         if fixes is None or self._antenna() is None:
             return math.nan
-        if fixes.tractor_speed >= _COURSE and (forward < _AHEAD or not math.isfinite(known)):
-            return fixes.tractor_course
+        curvature = math.tan(steering) / self._wheelbase
+        swing = math.atan2(curvature * forward, 1.0 - curvature * left)
+        fast = fixes.tractor_speed >= _COURSE
         if not math.isfinite(known):
-            return math.nan
-        east, north = self._upright(known) - self._behind
-        ahead = east * east + north * north - left * left
-        return wrap(math.atan2(north, east) - math.atan2(left, math.sqrt(ahead))) if ahead > 0.0 else known
+            turned = swing + (math.pi if fixes.wheel_speed < 0.0 else 0.0)
+            return wrap(fixes.tractor_course - turned) if fast else math.nan
+        east, north = self._upright(known) - self._moved_from
+        if math.hypot(east, north) < _STEP:
+            return known
+        reverses = east * math.cos(known) + north * math.sin(known) < 0.0
+        if (-forward if reverses else forward) >= _AHEAD:
+            return self._pulled(known, east, north)
+        turned = swing + (math.pi if reverses else 0.0)
+        behind = _PULL * math.cos(known + turned), _PULL * math.sin(known + turned)
+        direction = fixes.tractor_course if fast else math.atan2(north + behind[1], east + behind[0])
+        return wrap(direction - turned)
 
-    def _follow(self) -> None:
-        """Keep the point that the antenna pulls."""
-        if self._antenna() is None or not math.isfinite(self._yaw):
-            return
+    def _pulled(self, known: float, east: float, north: float) -> float:
+        """Return the yaw after the antenna has pulled the axle so far east and north, m; known: before, rad."""
         forward, left, _ = self._mast.arm
-        arm = _PULL if forward < _AHEAD else forward, left, 0.0
-        self._behind = self._upright(self._yaw) - arm_offset(self._yaw, 0.0, 0.0, arm)
+        arm = np.add((east, north), arm_offset(known, 0.0, 0.0, (forward, left, 0.0)))
+        ahead = float(arm @ arm) - left * left
+        if not ahead > 0.0:
+            return known
+        return wrap(math.atan2(arm[1], arm[0]) - math.atan2(left, math.copysign(math.sqrt(ahead), forward)))
 
     def _upright(self, yaw: float) -> Floats:
         """Return where the antenna would be if the tractor did not lean, m."""

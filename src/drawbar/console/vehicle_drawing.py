@@ -23,11 +23,14 @@ def vehicle_drawing(vehicle: VehicleParameters) -> str:
     """Return the SVG. The tractor's rear axle is at x = 0, and the front is on the right; distances are in m."""
     axle = -vehicle.hitch_length - vehicle.trailer_length
     tracked = axle + vehicle.trailer_antenna
-    left, right = axle - _TYRES - _MARGIN, vehicle.wheelbase + _TYRES + _MARGIN
+    masts = vehicle.masts.tractor, vehicle.masts.trailer
+    antennas = masts[0].forward, tracked + masts[1].forward
+    left = min(axle - _TYRES, *antennas) - _MARGIN
+    right = max(vehicle.wheelbase + _TYRES, *antennas) + _MARGIN
     size = (right - left) / 24.0
     row = max(_ROW, 1.3 * size)
-    highest = max(vehicle.masts.tractor.up, vehicle.masts.trailer.up, 1.0)
-    side = -_GROUND - row - _MARGIN  # of the ground in the side view
+    highest = max(1.0, *(mast.up for mast in masts))
+    side = -max(_GROUND, *(mast.left for mast in masts)) - row - _MARGIN  # of the ground in the side view
     dimensions = list(_dimensions(vehicle, tracked, axle, row))
     bottom = max(y for _, _, _, y in dimensions) + row
     parts = [
@@ -47,13 +50,13 @@ def _dimensions(
     """Yield each distance along the vehicle: what it is, from where to where, and on which height it is written."""
     joint = -vehicle.hitch_length
     wheelbase, hitch, drawbar, trailer, antenna = LENGTHS
-    first = _GROUND + 0.35 + row
+    masts = vehicle.masts
+    first = max(_GROUND, -masts.tractor.left, -masts.trailer.left) + 0.35 + row
     yield wheelbase, 0.0, vehicle.wheelbase, first
     yield hitch, joint, 0.0, first
     yield trailer, axle, joint, first
     yield drawbar, joint, joint + vehicle.drawbar_length, first + row
     yield antenna, axle, tracked, first + row
-    masts = vehicle.masts
     for value, origin, mast in ((MASTS[0], 0.0, masts.tractor), (MASTS[3], tracked, masts.trailer)):
         yield value, min(origin, origin + mast.forward), max(origin, origin + mast.forward), first + 2.0 * row
 

@@ -1,13 +1,15 @@
 """Analysis of an experiment: the functions of its analysis.py, or the defaults, compute and show its results."""
 
 import runpy
-from collections.abc import Callable, Iterable
+import traceback
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 from drawbar.errors import ConfigurationError
 from drawbar.experiment.elements import Element, Table
-from drawbar.experiment.measured import Figures, MeasuredExperiment
+from drawbar.experiment.measured import Figures, MeasuredExperiment, NotDrivenError
 from drawbar.experiment.task import Result
 from drawbar.report.metrics import ALL, Metrics
 
@@ -50,15 +52,39 @@ def table_of_means(measured: MeasuredExperiment) -> list[Element]:
 def load_analysis(folder: Path) -> Analysis:
     """Return the functions `figures` and `report` of the folder's analysis.py, or the defaults.
 
-    Raises ConfigurationError when analysis.py has neither.
+    Raises ConfigurationError when analysis.py has neither, or fails.
     """
     file = folder / FILE_NAME
     if not file.is_file():
         return Analysis(figures=_figures, report=table_of_means)
-    names = runpy.run_path(str(file))
+    with failures_told(folder):
+        names = runpy.run_path(str(file))
     if not {"figures", "report"} & names.keys():
         raise ConfigurationError(f"{file}: has neither a function figures(result) nor report(measured); add one.")
     return Analysis(figures=names.get("figures", _figures), report=names.get("report", table_of_means))
+
+
+@contextmanager
+def failures_told(folder: Path, of: str = "") -> Iterator[None]:
+    """As a context: raise what an experiment's own analysis.py raises as a ConfigurationError with its line.
+
+    Args:
+        folder: of the experiment.
+        of: what was analysed.
+    """
+    file = str(folder / FILE_NAME)
+    try:
+        yield
+    except NotDrivenError:
+        raise
+    except Exception as error:
+        lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == file]
+        if isinstance(error, SyntaxError) and error.filename == file:
+            lines.append(error.lineno)
+        if not lines:  # it is not the analysis that fails
+            raise
+        said = f"{type(error).__name__}: {error}{of and f', of {of}'}"
+        raise ConfigurationError(f"{file}:{lines[-1]}: {said}; mend the analysis there.") from error
 
 
 def _figures(result: Result) -> Figures:

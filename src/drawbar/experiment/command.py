@@ -7,7 +7,7 @@ from distributed import Client
 from rich.console import Console
 from rich.text import Text
 
-from drawbar.experiment.analysis import Analysis, load_analysis, table_of_means
+from drawbar.experiment.analysis import Analysis, failures_told, load_analysis, table_of_means
 from drawbar.experiment.cluster import open_cluster
 from drawbar.experiment.document import RESULTS_NAME, write_report, write_results
 from drawbar.experiment.elements import Element
@@ -50,15 +50,16 @@ def _conduct(console: Console, client: Client, experiment: Experiment, seeds: in
         console.print(f"{experiment.folder.name}: {case} is left out: {reason}", soft_wrap=True)
     with RunsProgress(console, experiment.folder.name) as progress:
         runs = measure(client, experiment, seeds, progress)
-    measured = MeasuredExperiment(
-        experiment=experiment,
-        seeds=max(counts.values(), default=0),
-        runs=ByCase(runs),
-        figures=ByCase({case: _figures(analysis, each, counts[case]) for case, each in runs.items()}),
-    )
+    figures = ByCase[list[Figures]]()
+    for case, each in runs.items():
+        with failures_told(experiment.folder, repr(case)):
+            figures[case] = _figures(analysis, each, counts[case])
+    seeds_driven = max(counts.values(), default=0)
+    measured = MeasuredExperiment(experiment=experiment, seeds=seeds_driven, runs=ByCase(runs), figures=figures)
     if not runs:  # the results in the folder stay
         return measured
-    write_results(measured, _tables(console, analysis, measured))
+    with failures_told(experiment.folder):  # pictures are drawn as they are written
+        write_results(measured, _tables(console, analysis, measured))
     _print_outcome(console, measured, experiment.folder / RESULTS_NAME)
     return measured
 

@@ -17,6 +17,8 @@ class RunsProgress(LiveLine):
         """Show the progress of what the title names on the console."""
         super().__init__(console)
         self._title = title
+        self._told = set[str]()
+        """reasons of failures that the console shows already"""
         self.begin("", 0)
 
     def begin(self, phase: str, total: int, done: int = 0) -> None:
@@ -26,10 +28,11 @@ class RunsProgress(LiveLine):
         self.wait()
 
     def advance(self, failure: str = "") -> None:
-        """Count one thing more, failed for a reason or well; a reason stays on the console."""
+        """Count one thing more, failed for a reason or well; a reason stays on the console, once."""
         self._done += 1
-        if failure:
-            self._failed += 1
+        self._failed += bool(failure)
+        if failure and failure not in self._told:
+            self._told.add(failure)
             self._console.print(Text(f"failed: {failure}", "red"))
         if self.due() or self._done == self._total:
             self._show(time.perf_counter() - self._start)

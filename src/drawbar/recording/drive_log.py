@@ -146,6 +146,14 @@ class DriveLog(Recorder):
         """Return how many names the file has; 0: it was removed, or this file system does not count."""
         return os.fstat(self._stream.fileno()).st_nlink
 
+    @property
+    def is_in_place(self) -> bool:
+        """Whether the file is where it was made: its folder was not moved, and its disk is there."""
+        try:
+            return os.path.samestat(os.stat(self._file), os.fstat(self._stream.fileno()))
+        except OSError:
+            return False
+
     def _finish(self, outcome: Outcome) -> None:
         self._add_waiting()
         super()._finish(outcome)

@@ -100,7 +100,7 @@ def render_page(log: Columns, metrics: Metrics, errors: Bodies[PathErrors], even
     tiles = [f'<div class="tile"><b>{escape(v)}</b><span>{escape(k)}</span></div>' for k, v in key_figures(metrics)]
     ending = "Finished" if metrics.finished else "Stopped before the end"
     return template.substitute(
-        kind="drive" if metrics.error_estimated else "run",
+        kind="drive" if events or (log.steps and metrics.error_estimated) else "run",
         title=escape(f"{log.header.path_name}, {metrics.config}"),
         facts=escape(f"{started} · configuration {origin(metrics, ' · ')} · {log.steps} steps"),
         note=escape(log.header.path_note),

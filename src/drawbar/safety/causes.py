@@ -184,7 +184,7 @@ class Cause(Enum):
     NO_OPERATOR = (601, True, Response.STOP, "no operator is present",
         "open the console, or start the keyboard again")
     NOT_RECORDING = (602, True, Response.NOTIFY,
-        "nothing is recorded: the disk is full or too slow, or the recorder has ended",
+        "nothing is recorded: the disk is full, too slow or gone, or the recorder has ended",
         "steering continues; stop when it suits, make room on the disk, start drawbar again")
     EMERGENCY_UNTRIED = (603, True, Response.NONE, "the emergency stop has not been tried since the start",
         "stand, press the emergency stop, then acknowledge")

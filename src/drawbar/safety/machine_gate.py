@@ -185,13 +185,13 @@ class Gate:
         return self._degraded_speed if self.engagement.state is DEGRADED else self._settings.envelope.speed
 
     def _tell(self, now: float, actuation: Actuation) -> None:
-        steers, speed, angles = self.engagement.steers, self.watch.speeds.last, self._envelope.angles
+        steers, speed, angles = self.engagement.steers, self.watch.speeds.believable(now), self._envelope.angles
         tractor, trailer = (SteeringRequest(steer=steers, angle=angle, speed=speed) for angle in angles)
         if not self.wires.send(now, (tractor, trailer), self._speed_request(now)):
             self.watch.troubles.unsent = now
         for following, report, angle in zip(self._followings, actuation.bodies, angles, strict=True):
             # some actuators do not move while the vehicle stands
-            if steers and report is not None and report.engaged and abs(speed) >= self._settings.engage.speed:
+            if steers and report is not None and report.engaged and speed >= self._settings.engage.speed:
                 following.add(now, angle, report.angle, report.angle_time)
             else:
                 following.reset()

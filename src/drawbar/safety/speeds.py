@@ -54,6 +54,14 @@ class Speeds:
         since, speed = self._known
         return min(speed + self._envelope.acceleration * (time - since), max(speed, self._envelope.speed))
 
+    def believable(self, time: float) -> float:
+        """Return the larger newest magnitude, as far as it is no more than known or this machine's largest, m/s.
+
+        Boards are told it, which release above 25 km/h, and turn no wheel at standstill: a false report of a receiver
+        or of the wheels must bring about neither. Where no source is fresh, the newest of both stays.
+        """
+        return min(max(self.fresh(time).values(), default=abs(self.last)), self.largest(time), self._envelope.speed)
+
     def stands(self, time: float, slowest: float) -> bool:
         """Return whether the vehicle is for certain no faster than a speed, m/s."""
         return self.known(time) and max(self.fresh(time).values()) <= slowest

@@ -11,7 +11,7 @@ enum qp_status {
     INFEASIBLE = 2,
     NOT_FINITE = 3,
     CHECK_FAILED = 4,
-    BAD_INPUT = 5,
+    BAD_INPUT = 5
 };
 
 #endif

@@ -12,9 +12,10 @@ from drawbar.messages import Fixes, SupervisorState
 from drawbar.safety.causes import Cause
 
 
-def epoch(wheels, ground):
+def epoch(wheels, ground, time=0.0):
     values = dict.fromkeys((field.name for field in fields(Fixes)), 0)
-    return Fixes(**values | {"wheel_speed": wheels, "tractor_speed": ground})
+    values |= {"wheel_speed": wheels, "tractor_speed": ground, "wheel_speed_time": round(time * 1e9)}
+    return Fixes(**values)
 
 
 @pytest.mark.parametrize(
@@ -42,7 +43,28 @@ def test_an_epoch_without_the_antennas_speed_changes_nothing():
         assert speeds.found is found
 
 
-def test_wheels_that_report_standing_in_a_curve_cost_little_and_the_gate_stops():
+@pytest.mark.parametrize(
+    ("speed_at", "ground", "found"),
+    [
+        (lambda t: 2.0 if t < 1.0 else 0.0, math.nan, True),
+        (lambda t: 2.0 if t < 1.0 else 0.2 if t < 1.5 else 0.0, math.nan, True),
+        (lambda t: 2.0 if t < 1.0 else math.nan if t < 1.2 else 0.0, math.nan, True),
+        (lambda t: max(2.0 - 2.5 * max(t - 1.0, 0.0), 0.0), math.nan, False),
+        (lambda t: 2.0 if t < 1.0 else 0.5, math.nan, False),
+        (lambda t: 0.4 if t < 1.0 else 0.0, math.nan, False),
+        (lambda t: 2.0 if t < 1.0 else math.nan if t < 1.8 else 0.0, math.nan, False),
+        (lambda t: 2.0 if t < 1.0 else 0.0, 0.1, False),
+    ],
+)
+def test_wheels_that_stop_at_once_while_no_receiver_tells_a_speed_are_not_believed(speed_at, ground, found):
+    speeds = ContradictingSpeeds()
+    for tick in range(40):
+        speeds.receive_fixes(epoch(speed_at(0.05 * tick), ground, 0.05 * tick))
+    assert speeds.found is found
+
+
+def farthest(begin, ends):
+    """Return the largest distance of the tractor from the line, m, from a fault before the curve to a state."""
     rehearsal, path = rehearse("speed=2.0", "path.straight_length=30.0", "safety.engage.fixed=1.0")
     near, far = 0.0, [0.0]
 
@@ -56,9 +78,31 @@ def test_wheels_that_report_standing_in_a_curve_cost_little_and_the_gate_stops()
     while near < 13.0:  # a metre before the curve
         advance()
     assert rehearsal.gate_state.state is SupervisorState.ACTIVE
-    FAULTS["wheel-speed-zero"].begin(rehearsal.machine)
     far.clear()
-    while rehearsal.gate_state.state is not SupervisorState.STOPPED:
+    begin(rehearsal, advance)
+    while rehearsal.gate_state.state is not ends:
         advance()
-    assert rehearsal.gate_state.cause == Cause.SPEEDS_CONTRADICT.value
-    assert max(far) < 0.12
+    return max(far), rehearsal.gate_state.cause
+
+
+def test_wheels_that_report_standing_in_a_curve_cost_little_and_the_gate_stops():
+    far, cause = farthest(
+        lambda rehearsal, advance: FAULTS["wheel-speed-zero"].begin(rehearsal.machine), SupervisorState.STOPPED
+    )
+    assert cause == Cause.SPEEDS_CONTRADICT.value
+    assert far < 0.12
+
+
+def test_wheels_that_report_standing_while_no_receiver_is_heard_cost_little():
+    """Up to 1.3 m beside the line before, for as long as it may be driven degraded."""
+
+    def begin(rehearsal, advance):
+        FAULTS["receivers-silent"].begin(rehearsal.machine)
+        since = rehearsal.time
+        while rehearsal.time < since + 1.0:
+            advance()
+        FAULTS["wheel-speed-zero"].begin(rehearsal.machine)
+
+    far, cause = farthest(begin, SupervisorState.STOPPING)
+    assert cause == Cause.POSITION_LOST.value
+    assert far < 0.12

@@ -10,12 +10,14 @@ import pytest
 from drive_messages import controller_of, gate_of, ready_gate
 from rich.console import Console
 
-from drawbar.driving.operator.display import KEYS, picture
+from drawbar.driving.operator.display import KEYS, picture, refusals
 from drawbar.driving.operator.front_end import Keyboard
 from drawbar.driving.operator.requests import changed_speed
 from drawbar.driving.operator.terminal import Terminal
 from drawbar.messages import SupervisorState
 from drawbar.safety.causes import Cause
+from drawbar.safety.conditions import Observation, present
+from drawbar.safety.settings import SafetySettings
 from drawbar.signals import FixQuality, Status
 
 NAN = math.nan
@@ -54,6 +56,16 @@ def test_past_the_end_of_the_line_no_old_distance_is_shown():
     ended = dataclasses.replace(controller_of(Status.FINISHED), tractor_lateral_error=0.03)
     assert "tractor not known" in picture(gate_of(SupervisorState.STANDBY), ended).plain
     assert "tractor 3 cm left" in picture(gate_of(SupervisorState.STOPPING), ended).plain
+
+
+@pytest.mark.parametrize("heard", [None, controller_of(Status.FINISHED)])
+def test_of_a_silent_controller_only_that_is_said(heard):
+    codes = [cause.value for cause in present(Observation(operator_age=0.0), SafetySettings())][:8]
+    assert Cause.CONTROLLER_SILENT.value in codes
+    state = dataclasses.replace(ready_gate(1), state=SupervisorState.STANDBY, refusals=tuple(codes))
+    assert refusals(state, heard) == [Cause.CONTROLLER_SILENT]
+    codes.remove(Cause.CONTROLLER_SILENT.value)
+    assert Cause.CORRECTIONS_OLD in refusals(dataclasses.replace(state, refusals=(*codes, 0)), None)
 
 
 def test_the_display_says_why_a_key_was_refused():

@@ -31,8 +31,11 @@ RATE = math.radians(60.0)
 SOURCE = "192.168.5.126:8888"
 
 
-def tried(wheel=None, *, change=lambda now, board: None, speed=lambda now: 0.5, **sensor):
-    """Wiggle a stand-in board's wheel in virtual time; return the run, and the farthest that the wheel was."""
+def tried(wheel=None, *, change=lambda now, board: None, speed=lambda now: 0.5, pause=(0.0, 0.0), **sensor):
+    """Wiggle a stand-in board's wheel in virtual time; return the run, and the farthest that the wheel was.
+
+    Within `pause`, s, the computer runs nothing.
+    """
     wheel = wheel or MotorWheel(rate=RATE)
     board, actuator, run = AioV4(wheel, **sensor), SteerBoard(board=SOURCE, max_angle=0.5), WiggleRun()
     farthest, now = 0.0, 0.0
@@ -40,7 +43,7 @@ def tried(wheel=None, *, change=lambda now, board: None, speed=lambda now: 0.5, 
         now += 0.01
         change(now, board)
         replies = board.advance(now)
-        if round(now * 100) % 5 == 0:
+        if round(now * 100) % 5 == 0 and not pause[0] < now < pause[1]:
             for frame in actuator.send(now, run.tick(now, actuator.report(now), speed(now))):
                 replies += board.receive(now, frame, 9999)
         for reply in replies:
@@ -88,6 +91,13 @@ def test_wheels_that_do_not_move_are_reported():
 def test_what_happens_meanwhile_ends_it(change, words):
     run, _ = tried(change=change)
     assert words in refusal(run)
+
+
+@pytest.mark.parametrize(("ends", "told"), [(4.19, False), (4.4, True)])
+def test_a_pause_of_the_computer_is_reported_where_it_ended_the_test(ends, told):
+    run, _ = tried(pause=(4.0, ends))
+    assert run.judged().passed is not told
+    assert ("This computer had paused for 0.4 s" in run.reason) is told
 
 
 def test_a_motor_that_is_too_slow_is_reported():

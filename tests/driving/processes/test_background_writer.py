@@ -21,7 +21,7 @@ class SlowLog:
     def __init__(self):
         self.added, self.written, self.gave_up = [], [], False
         self.disk = threading.Event()
-        self.error = None
+        self.error, self.is_in_place = None, True
 
     def add_raw(self, raw):
         self.added.append(raw.time)
@@ -90,6 +90,22 @@ def test_nobody_waits_for_a_disk_that_hangs_and_it_does_not_count_as_recorded(lo
     await_that(lambda: writer.writes)
     writer.close()
     assert log.written == [[0], [1]]
+
+
+def test_a_log_that_is_elsewhere_is_written_on_and_does_not_count_as_recorded(log, capfd):
+    log.disk.set()
+    writer = writer_of(log)
+
+    def put(moment):
+        writer.put([step(moment)])
+        await_that(lambda: log.written[-1:] == [[moment]] and writer.writes is log.is_in_place)
+
+    for moment, log.is_in_place in enumerate((True, False, False, True)):
+        put(moment)
+    writer.close()
+    assert log.written == [[0], [1], [2], [3]]
+    told = "recorder: the log's folder was moved, or its disk unmounted; it is written on wherever it is now\n"
+    assert capfd.readouterr().err == told
 
 
 def test_what_is_too_much_for_the_memory_is_lost_and_that_is_said_once(log, monkeypatch, capfd):

@@ -132,7 +132,7 @@ def test_a_recorder_that_is_killed_costs_the_record_only_and_that_is_reported(te
     os.kill(terminal.child("recorder_main"), signal.SIGKILL)
     terminal.await_words("the recorder has ended: nothing more is recorded")
     terminal.shown = ""
-    terminal.await_words("- nothing is recorded: the disk is full or too slow, or the recorder has ended")
+    terminal.await_words("- nothing is recorded: the disk is full, too slow or gone, or the recorder has ended")
     assert "ACTIVE: steering" in terminal.shown
     assert "interrupted" not in terminal.shown
     terminal.process.send_signal(signal.SIGTERM)

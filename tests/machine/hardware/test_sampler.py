@@ -52,6 +52,30 @@ def test_a_faster_receiver_gives_every_second_epoch():
     assert sampler.dropped == 3
 
 
+@pytest.mark.parametrize("rate", [10, 15, 20, 25, 50])
+@pytest.mark.parametrize("every", [1, 2, 4])
+def test_of_frequent_epochs_that_nearest_to_the_next_sample_counts(rate, every):
+    """A step that is shorter each time would end the run; maybe only every second or fourth epoch is of both."""
+    sampler, samples = Sampler(0.2), []
+    for k in range(5 * rate):
+        if rate // 5 % every == 0:
+            given = {"trailer_x": math.nan} if k % every else {}
+            samples.append(sampler.take(fixes(SECOND + k * SECOND // rate, DELAY + k % 3 * 1_000_000, **given)))
+    taken = [measured for measured in samples if measured is not None]
+    assert [measured.time for measured in taken] == pytest.approx([0.2 * k for k in range(len(taken))], abs=0.003)
+    assert all(measured.trailer_x == -3.0 for measured in taken)
+
+
+def test_a_sample_without_an_epoch_has_the_speed_of_one_that_came_too_soon_for_a_sample():
+    sampler = Sampler(0.2)
+    sampler.take(fixes(SECOND))
+    assert sampler.take(fixes(SECOND + SECOND // 10, wheel_speed=1.5)) is None
+    measured = sampler.miss()
+    assert measured.speed == 1.5
+    assert math.isnan(measured.tractor_x)
+    assert (measured.tractor_fix_quality, measured.trailer_fix_quality) == (FixQuality.NONE, FixQuality.NONE)
+
+
 def test_an_epoch_that_was_left_out_is_seen_in_the_time():
     sampler = Sampler(0.2)
     sampler.take(fixes(SECOND))
@@ -170,6 +194,54 @@ def test_one_lost_epoch_does_not_move_the_samples_of_a_faster_receiver():
     samples = sampled(epochs)
     assert [measured.time for measured in samples] == pytest.approx([0.2 * k for k in range(10)])
     assert [math.isnan(measured.tractor_x) for measured in samples] == [k == 4 for k in range(10)]
+
+
+@pytest.mark.parametrize("after", range(10, 200, 10))
+def test_each_sample_is_nearly_a_sample_time_after_the_last_where_epochs_are_of_one_antenna(after):
+    """As where a receiver sets its clock, no epoch is of both; the estimator takes each step for a whole one."""
+    sampler, times = Sampler(0.2), []
+    for k in range(40):
+        begin = SECOND + k * SECOND // 5
+        alone = [(begin, {"trailer_x": math.nan}), (begin + after * 1_000_000, {"tractor_x": math.nan})]
+        for epoch, given in [(begin, {})] if k < 10 else alone:
+            while sampler.deadline is not None and sampler.deadline <= epoch + DELAY:
+                times.append(sampler.miss().time)
+            measured = sampler.take(fixes(epoch, **given))
+            times += [measured.time] if measured is not None else []
+    assert min(later - earlier for earlier, later in pairwise(times)) >= 0.15 - 1e-9
+
+
+@pytest.mark.parametrize("rate", [10, 20, 25, 50])
+@pytest.mark.parametrize("ahead", range(1, 10))
+def test_samples_move_to_the_epochs_of_both_receivers_however_soon_these_come_after_the_last(rate, ahead):
+    """The tractor's receiver is silent for a moment, in which the samples stand beside the instants of both."""
+    step = SECOND // rate
+    sampler, samples = Sampler(0.2), []
+    for k in range(4 * rate):
+        both = (k - ahead) % (rate // 5) == 0 and k >= rate
+        given = {} if both or k == 0 else {"tractor_x": math.nan}
+        while sampler.deadline is not None and sampler.deadline <= SECOND + k * step + DELAY:
+            samples.append(sampler.miss())
+        measured = sampler.take(fixes(SECOND + k * step, **given))
+        samples += [measured] if measured is not None else []
+    assert all(measured.tractor_x == 1.0 for measured in samples[-9:])
+    steps = [later.time - earlier.time for earlier, later in pairwise(samples)]
+    assert 0.15 - 1e-9 <= min(steps) <= max(steps) <= 0.35 + 1e-9
+
+
+@pytest.mark.parametrize("sample_time", [0.1, 0.2, 1.0])
+@pytest.mark.parametrize("share", [0.05 * step for step in range(1, 20)])
+def test_samples_move_to_the_epochs_of_the_only_receiver_that_is_left(sample_time, share):
+    """The trailer's receiver is silent for good, the tractor's for a moment, and then goes on at other instants."""
+    sampler, samples = Sampler(sample_time), []
+    for k in [*range(10), *(k + share for k in range(14, 40))]:
+        epoch = SECOND + round(k * sample_time * SECOND)
+        while sampler.deadline is not None and sampler.deadline <= epoch + DELAY:
+            samples.append(sampler.miss())
+        measured = sampler.take(fixes(epoch, **({"trailer_x": math.nan} if k >= 10 else {})))
+        samples += [measured] if measured is not None else []
+    assert all(measured.tractor_x == 1.0 for measured in samples[-15:])
+    assert min(later.time - earlier.time for earlier, later in pairwise(samples)) >= 0.75 * sample_time - 1e-9
 
 
 @pytest.mark.parametrize("away", range(4))

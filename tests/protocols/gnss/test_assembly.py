@@ -246,13 +246,22 @@ def test_two_wrong_times_in_turn_with_right_ones_do_not_confirm_each_other(repor
     assert [epoch.time for epoch in epochs] == pytest.approx([10.0, 10.2, 10.4, 10.6, 11.0, 11.4, 11.6])
 
 
-def test_a_receiver_that_sets_its_clock_back_is_followed_after_five_epochs(report: Maker) -> None:
+@pytest.mark.parametrize("hop", [-0.5, -1.0, -18.0, -7000.0])
+def test_a_receiver_that_sets_its_clock_back_is_followed_from_the_second_epoch(report: Maker, hop: float) -> None:
     stream = EpochStream(EpochSettings(latency=0.0))
-    seconds = [1000, 1001, 1002, *range(20)]
-    epochs = run(stream, [(10.0 + step, nmea.sentences(report(each))) for step, each in enumerate(seconds)])
-    assert [epoch.utc - 43200.0 for epoch in epochs[3:]] == pytest.approx(list(range(4, 20)))
-    assert [epoch.time for epoch in epochs[3:]] == pytest.approx([17.0 + step for step in range(16)])
-    assert stream.dropped == {"epoch out of order": 4, "receiver's clock set back": 1}
+    seconds = [0.2 * step + (hop if step >= 4 else 0.0) for step in range(400)]
+    epochs = run(stream, [(10.0 + 0.2 * step, [nmea.gga(report(each))]) for step, each in enumerate(seconds)])
+    assert [epoch.time for epoch in epochs] == pytest.approx([10.0 + 0.2 * step for step in range(400) if step != 4])
+    assert stream.dropped == {"epoch out of order": 1, "receiver's clock set back": 1}
+
+
+def test_epochs_that_come_again_all_at_once_are_no_clock_that_was_set_back(report: Maker) -> None:
+    stream = EpochStream(EpochSettings(latency=0.0))
+    steps = [0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 9, 10, 11]
+    times = [10.0 + 0.2 * step for step in (0, 1, 2, 3, 4, 5, 6, 7, 8, 8.1, 8.2, 8.3, 8.4, 9, 10, 11)]
+    epochs = run(stream, [(time, [nmea.gga(report(0.2 * step))]) for time, step in zip(times, steps, strict=True)])
+    assert [epoch.time for epoch in epochs] == pytest.approx([10.0 + 0.2 * step for step in range(12)])
+    assert stream.dropped == {"epoch out of order": 4}
 
 
 def test_the_time_of_measurement_does_not_jitter_with_its_arrival(report: Maker) -> None:

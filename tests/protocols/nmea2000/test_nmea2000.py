@@ -134,6 +134,24 @@ def test_a_missing_frame_drops_its_message_and_no_other(missing: int) -> None:
     assert receiver.drops() == {"fast packet: unfinished": 1}
 
 
+@pytest.mark.parametrize("missing", range(7))
+def test_a_missing_frame_costs_one_message_where_the_sequence_number_stands_still(missing: int) -> None:
+    receiver = Nmea2000Receiver()
+    for sid in range(5):
+        said = bytearray(payload(sid))
+        said[33] = sid  # satellites, which are in another frame
+        for k, frame in enumerate(packet(bytes(said))):
+            if (sid, k) != (1, missing):
+                receiver.receive(1.0 + 0.1 * sid + 1e-3 * k, frame)
+    positions = [epoch.position for epoch in receiver.epochs(2.0)]
+    assert [(position.sid, position.satellites) for position in positions] == [(0, 0), (2, 2), (3, 3), (4, 4)]
+
+
+def test_a_new_message_of_the_same_sequence_number_replaces_one_that_lacks_a_frame() -> None:
+    (epoch,) = epochs([*packet(payload(1))[:6], *packet(payload(2))])
+    assert epoch.position.sid == 2
+
+
 def test_a_frame_of_another_number_does_not_fill_a_gap() -> None:
     wrong = CanFrame(0x0DF8051C, bytes([0x60 | 9]) + bytes(7))
     assert epochs([*POSITION[:3], *POSITION[4:], wrong]) == []

@@ -39,6 +39,8 @@ _READY, _TAKES = 5.0, 3.0
 """within which the actuator must be ready once it rolls, and then take over, s"""
 _SILENCE = 0.3
 """oldest measured angle, s"""
+_PAUSE = 0.2
+"""without a tick, after which what is wrong may be this computer's: boards answer no sooner than they are asked, s"""
 _STIFF, _LEAST = 0.8, math.radians(0.3)
 """time after a set point within which it must have moved by so much, s, rad: else its sensor may be stuck"""
 _FRESH = 1.0
@@ -66,7 +68,7 @@ class WiggleRun:
         self.phase = Phase.READYING
         self.reason = ""
         """why it was broken off, and what to do"""
-        self._since = self._rolls = self._taken = self._origin = self._turned = math.nan
+        self._since = self._ticked = self._rolls = self._taken = self._origin = self._turned = math.nan
         self._rows: list[tuple[float, float, float]] = []
         self._set_point = self._at_turn = 0.0
 
@@ -77,6 +79,7 @@ class WiggleRun:
             self._ready(now, report, speed)
         elif self.phase is not Phase.ENDED:
             self._go_on(now, report, speed)
+        self._ticked = now
         if self.phase in (Phase.READYING, Phase.ENDED):
             return SteeringRequest(steer=False, angle=0.0, speed=0.0 if math.isnan(speed) else speed)
         return SteeringRequest(steer=True, angle=self._origin + self._set_point, speed=speed)
@@ -106,7 +109,9 @@ class WiggleRun:
 
     def _go_on(self, now: float, report: SteeringReport, speed: float) -> None:
         if reason := self._wrong(now, report, speed):
-            self.end(reason)
+            pause = now - self._ticked
+            busy = f". This computer had paused for {pause:.1f} s: end other programs, then try again"
+            self.end(reason + busy * (pause > _PAUSE))
             return
         if not self._rows or report.angle_time > self._rows[-1][0]:
             self._rows.append((report.angle_time, self._origin + self._set_point, report.angle))

@@ -38,7 +38,7 @@ class BackgroundWriter:
         """that wait; contents that were lost"""
         self._busy_since = 0.0
         """since when what was taken is being written, s of time.monotonic(); 0: nothing is"""
-        self._ending = self._failed = False
+        self._ending = self._failed = self._astray = False
         self._error: BaseException | None = None
         self._changed = threading.Condition()
         self._thread = threading.Thread(target=self._run, name="log", daemon=True)
@@ -65,9 +65,9 @@ class BackgroundWriter:
 
     @property
     def writes(self) -> bool:
-        """Whether what is put in is written, and the disk keeps up."""
+        """Whether what is put in is written, where the log was made, and the disk keeps up."""
         since = self._busy_since
-        return not (self._failed or self._error or self._bytes > MOST // 2) and (
+        return not (self._failed or self._error or self._astray or self._bytes > MOST // 2) and (
             not since or time.monotonic() - since < BUSY
         )
 
@@ -108,6 +108,13 @@ class BackgroundWriter:
             self._add(content)
         if any(isinstance(each, PackedStep) for each in contents) or self._clock() - self._log.flushed > _WITHOUT_STEPS:
             self._log.flush()
+            self._look()
+
+    def _look(self) -> None:
+        """See whether the log is where it was made; it is written on wherever it is."""
+        astray, self._astray = self._astray, not self._log.is_in_place
+        if self._astray and not astray:
+            say("recorder: the log's folder was moved, or its disk unmounted; it is written on wherever it is now")
 
     def _add(self, content: Content) -> None:
         log = self._log

@@ -10,6 +10,7 @@ instants are monotonic, ns.
 import math
 from collections import deque
 from dataclasses import replace
+from itertools import pairwise
 from statistics import median_low
 
 from drawbar.messages import Fixes, GateState
@@ -23,10 +24,12 @@ _LONGEST_WAIT = 3 / 4
 """for an epoch, of a sample time: then the next sample is near"""
 _AHEAD = 50_000_000
 """by which an epoch may come before its sample, ns"""
-_STEP = 3 / 4
-"""shortest from a sample to the next, of a sample time"""
-_MOVING_STEP = 1 / 4
-"""the same where the samples move to an epoch with an antenna that the last ones lacked, of a sample time"""
+_EARLIEST, _LEAST_EARLIEST = 1 / 4, 1 / 20
+"""by which an epoch may come before a sample time is over, of a sample time: half of the time between epochs, but no
+more and no less than these"""
+_MOVING_STEP = 3 / 4
+"""shortest from a sample to the next where the samples move to an epoch with an antenna that the last ones lacked, of a
+sample time: the estimator takes each step for a whole one, and half a one cost it 0.5 m at 2 m/s"""
 _KEPT = 300_000_000
 """oldest report of the sensor board that came by itself, ns"""
 _LACKED = 2
@@ -42,17 +45,20 @@ class Sampler:
         self._period = round(sample_time * 1e9)
         self._wait = min(WAIT, round(_LONGEST_WAIT * self._period))
         self._start: int | None = None
-        self._last = 0
+        self._last = self._due = 0
         self._delays: deque[int] = deque(maxlen=_USUAL)
+        self._epochs: deque[int] = deque(maxlen=_USUAL)
         self._without = [0, 0]  # samples in a row without tractor's and trailer's antenna
         self._gate: GateState | None = None
-        self._sensors: Fixes | None = None  # the newest report of the sensor board that came by itself
+        self._sensors: Fixes | None = (
+            None  # the newest report of the sensor board that came by itself, or with no sample
+        )
         self.dropped = 0
 
     @property
     def deadline(self) -> int | None:
         """When to take the next sample without its epoch, ns; None before the first epoch."""
-        return None if self._start is None else self._last + self._period + self._wait
+        return None if self._start is None else self._due + self._wait
 
     def receive_gate(self, state: GateState) -> None:
         """Take in what the gate knows of the actuators."""
@@ -63,6 +69,7 @@ class Sampler:
         if _is_of_sensors(fixes):
             self._sensors = fixes
             return None
+        self._epochs.append(fixes.epoch)
         known = (math.isfinite(fixes.tractor_x), not self._has_trailer or math.isfinite(fixes.trailer_x))
         if all(known) or max(self._without) >= _USUAL or not self._delays:  # one alone was held back for the other
             self._delays.append(fixes.time - fixes.epoch)
@@ -72,19 +79,28 @@ class Sampler:
             if not all(known):
                 return None  # nothing begins without all antennas
             self._start = sample
-        elif sample - self._last < self._period * (_MOVING_STEP if moves else _STEP):
+        elif sample < (self._last + self._period * _MOVING_STEP if moves else self._due - self._earliest()):
+            if moves:  # too soon after the last sample: its successor is the next one
+                self._due = sample + self._period
+            self._sensors = _without_antennas(fixes)
             self.dropped += 1
             return None
-        self._last = sample
+        self._last, self._due = sample, sample + self._period
         self._count(known)
         return self._measured(fixes)
 
     def miss(self) -> Measurement:
         """Return the measurement of the sample that is due, without a fix."""
         self._last += self._period
+        self._due = self._last + self._period
         self._count((False, False))
         sensors = self._sensors
         return self._measured(sensors) if sensors and self._last - sensors.time <= _KEPT else self._without_fix()
+
+    def _earliest(self) -> float:
+        """Return by how much an epoch may come before the next sample, ns: the nearest one counts."""
+        interval = min((later - earlier for earlier, later in pairwise(self._epochs)), default=self._period)
+        return max(min(interval / 2, self._period * _EARLIEST), self._period * _LEAST_EARLIEST)
 
     def _count(self, known: tuple[bool, bool]) -> None:
         self._without = [0 if has else lacks + 1 for has, lacks in zip(known, self._without, strict=True)]
@@ -147,6 +163,13 @@ def _is_of_sensors(fixes: Fixes) -> bool:
     """Return whether it is a report of the sensor board that came by itself, and no epoch."""
     places = math.isfinite(fixes.tractor_x) or math.isfinite(fixes.trailer_x)
     return not places and fixes.epoch in (fixes.hitch_angle_time, fixes.wheel_speed_time)
+
+
+def _without_antennas(fixes: Fixes) -> Fixes:
+    """Return what an epoch of no sample says besides its positions: a sample that has none may need the speed."""
+    nan, none = math.nan, FixQuality.NONE
+    still = replace(fixes, tractor_x=nan, tractor_y=nan, trailer_x=nan, trailer_y=nan)
+    return replace(still, tractor_quality=none, trailer_quality=none)
 
 
 def _speed(fixes: Fixes) -> float:

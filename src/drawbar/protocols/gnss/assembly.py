@@ -26,12 +26,9 @@ _FIRST = 3
 """epochs that are ended by time or silence alone, before it is known what to wait for"""
 _LATENCY, _LINE_LATENCY = 0.04, 0.01
 """of receiver and line where neither is known: most have 0.01 to 0.08; and of the line alone, s"""
-_NEW_TIME = 5
-"""epochs in a row that continue from each other in the past are a receiver that has set its clock"""
-
 _LEAD = 0.05
 """by which the first epochs may be later than the least delay shows afterwards, s; more is another time of the
-receiver's, and believed as soon as two epochs in a row say so"""
+receiver's"""
 
 
 class _Draft:
@@ -76,8 +73,9 @@ class Assembler:
         """Forget the epochs so far, but not what the receiver sends."""
         self._clock, self._located = ReceiverClock(), False
         self._hold = QualityHold(self._settings.quality_hold)
-        self._behind, self._behind_utc = 0, 0.0
-        self._ahead: tuple[float, float] | None = None  # UTC and offset of an epoch that came too early
+        self._elsewhere: tuple[float, float] | None = (
+            None  # UTC and offset of the epoch before, if that had another time
+        )
         self._place, self._repeats = (0.0, 0.0), 0
         self._turning = Turning()
         self._last_kinds: set[str] = set()  # of the epoch before
@@ -141,14 +139,16 @@ class Assembler:
             self.dropped["epoch repeated"] += 1
             self.frozen += 1
             return None
-        if step < 0.0 and not self._is_new_time(utc):
-            self.dropped["epoch out of order"] += 1
-            return None
         solution = solve(draft.contents, self._settings)
-        if self._is_ahead(utc, draft.received - solution.latency):
-            self.dropped["epoch ahead of its time"] += 1
-            return None
-        self.frozen = self._behind = 0
+        received = draft.received - solution.latency
+        if step < 0.0 or self._clock.lead(utc, received) > _LEAD:
+            if not draft.kinds & self._positional or not self._goes_on(utc, received):
+                self.dropped["epoch out of order" if step < 0.0 else "epoch ahead of its time"] += 1
+                return None
+            if step < 0.0:
+                self.dropped["receiver's clock set back"] += 1
+                self._start_over()
+        self.frozen, self._elsewhere = 0, None
         self._last_kinds = draft.kinds
         if solution.refused:
             self.dropped[solution.refused] += 1
@@ -162,29 +162,15 @@ class Assembler:
         self._delivered = epoch.time
         return epoch
 
-    def _is_new_time(self, utc: float) -> bool:
-        """Whether epochs from the past have gone on for so long that the receiver's clock has been set back."""
-        follows = self._behind > 0 and difference(utc, self._behind_utc) > SAME_EPOCH
-        self._behind, self._behind_utc = (self._behind + 1 if follows else 1), utc
-        if self._behind < _NEW_TIME:
-            return False
-        self.dropped["receiver's clock set back"] += 1
-        self._start_over()
-        return True
+    def _goes_on(self, utc: float, received: float) -> bool:
+        """Whether a time in the past, or in the future by those before it, is one that the epoch before this one began.
 
-    def _is_ahead(self, utc: float, received: float) -> bool:
-        """Whether a time is in the future by those before it, and none that the epoch before this one began.
-
-        One wrong time, believed, would make all epochs of the next 60 s seem old.
+        Both then came as fast as their times go on: the receiver has set its clock. One wrong time, believed, would
+        make all epochs of the next 60 s seem old, and so would an epoch that comes again, or late.
         """
-        before, self._ahead = self._ahead, None
-        if not self._clock.lead(utc, received) > _LEAD:
-            return False
-        offset = self._clock.offset(utc, received)
-        if before is not None and difference(utc, before[0]) > SAME_EPOCH and abs(offset - before[1]) <= _LEAD:
-            return False
-        self._ahead = (utc, offset)
-        return True
+        before, offset = self._elsewhere, self._clock.offset(utc, received)
+        self._elsewhere = (utc, offset)
+        return before is not None and difference(utc, before[0]) > SAME_EPOCH and abs(offset - before[1]) <= _LEAD
 
     def _epoch(self, draft: _Draft, utc: float, solution: Solution) -> Epoch:
         position = solution.position

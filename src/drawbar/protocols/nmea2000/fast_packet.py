@@ -10,8 +10,9 @@ _FIRST = 6
 _NEXT = 7
 """bytes in each later frame, behind the counter"""
 _LONGEST = _FIRST + 31 * _NEXT
-_PATIENCE = 0.25
-"""after which an unfinished message is given up, s; a sequence returns after 8 messages, at 10 Hz 0.8 s"""
+_PATIENCE = 0.08
+"""after which an unfinished message is given up, s: a sender whose sequence number stands still begins the next one
+after 0.1 s, and its frames must not be joined with what is left of the last"""
 _OPEN = 32
 """unfinished messages at a time; the oldest gives way"""
 
@@ -19,21 +20,25 @@ _OPEN = 32
 @dataclass(slots=True)
 class _Unfinished:
     start: float
-    length: int | None = None
     pieces: dict[int, bytes] = field(default_factory=dict)
+    """what stands behind the counter, by the frame's number; in that of frame 0 the length comes first"""
 
     def whole(self) -> bytes | None:
         """Return the message once all of it is there."""
-        if self.length is None:
+        if 0 not in self.pieces:
             return None
-        frames = range(1 + max(0, -(-(self.length - _FIRST) // _NEXT)))
+        length = self.pieces[0][0]
+        frames = range(1 + max(0, -(-(length - _FIRST) // _NEXT)))
         if any(index not in self.pieces for index in frames):
             return None
-        return b"".join(self.pieces[index] for index in frames)[: self.length]
+        return b"".join(self.pieces[index] for index in frames)[1 : 1 + length]
 
 
 class FastPackets:
-    """Joins the frames of each sender, group and sequence; what stays unfinished is dropped and counted."""
+    """Joins the frames of each sender, group and sequence; what stays unfinished is dropped and counted.
+
+    A frame that differs from one of the same number begins another message.
+    """
 
     def __init__(self) -> None:
         self.dropped: Counter[str] = Counter()
@@ -45,32 +50,22 @@ class FastPackets:
             self.dropped["fast packet: length"] += 1
             return None
         self._give_up(time)
-        sequence, index = message.data[0] >> 5, message.data[0] & 31
+        sequence, index, data = message.data[0] >> 5, message.data[0] & 31, message.data[1:]
         key = message.source, message.pgn, sequence
-        unfinished = self._open.setdefault(key, _Unfinished(time))
-        if not self._add(unfinished, index, message.data[1:]):
-            del self._open[key]
+        if index == 0 and data[0] > _LONGEST:
+            self.dropped["fast packet: length"] += 1
+            self._open.pop(key, None)
             return None
+        unfinished = self._open.setdefault(key, _Unfinished(time))
+        if unfinished.pieces.get(index, data) != data:
+            self.dropped["fast packet: two frames of one number"] += 1
+            unfinished = self._open[key] = _Unfinished(time)
+        unfinished.pieces[index] = data
         whole = unfinished.whole()
         if whole is None:
             return None
         del self._open[key]
         return unfinished.start, whole
-
-    def _add(self, unfinished: _Unfinished, index: int, data: bytes) -> bool:
-        """Add one frame; return False where the message is spoilt."""
-        known = unfinished.pieces.get(index)
-        piece = data[1:] if index == 0 else data
-        if known is not None and (known != piece or (index == 0 and unfinished.length != data[0])):
-            self.dropped["fast packet: two frames of one number"] += 1
-            return False
-        if index == 0:
-            if data[0] > _LONGEST:
-                self.dropped["fast packet: length"] += 1
-                return False
-            unfinished.length = data[0]
-        unfinished.pieces[index] = piece
-        return True
 
     def _give_up(self, time: float) -> None:
         stale = [key for key, unfinished in self._open.items() if time - unfinished.start > _PATIENCE]

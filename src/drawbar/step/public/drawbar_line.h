@@ -25,7 +25,7 @@ enum drawbar_line_status {
     DRAWBAR_LINE_MEMORY = 3,               /* more nodes are needed than there is room for: `made` says how many */
     DRAWBAR_LINE_TIGHT = 4,                /* bends, or changes its curvature, faster than the vehicle can: `made` is
                                             * the first such node */
-    DRAWBAR_LINE_FAR = 5,                  /* a recorded point is further from the path than the tolerance: `made` is
+    DRAWBAR_LINE_FAR = 5                   /* a recorded point is further from the path than the tolerance: `made` is
                                             * the furthest */
 };
 

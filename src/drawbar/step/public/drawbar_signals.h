@@ -49,7 +49,7 @@ enum drawbar_status {
     DRAWBAR_NO_RUN = 262,               /* wrong call: no run has begun, or it has ended */
     DRAWBAR_ELSEWHERE = 263,            /* wrong call: the vehicle is not on the new path at that place, or faces
                                          * away from it */
-    DRAWBAR_UNALIGNED = 264,            /* wrong call: a pointer is not aligned as a double */
+    DRAWBAR_UNALIGNED = 264             /* wrong call: a pointer is not aligned as a double */
 };
 
 /* What there is to say of a step that made a new command; each flag carries its text. */
@@ -62,7 +62,7 @@ enum drawbar_flag {
     DRAWBAR_SOLVER = 8,                 /* a solver failed; the estimate or the plan is its own prediction */
     DRAWBAR_SLOWED = 16,                /* the vehicle is driven slower than the set speed, until estimates and
                                          * plans are sound again */
-    DRAWBAR_RELEASED = 32,              /* not engaged: the command repeats the steering as it is, with speed zero */
+    DRAWBAR_RELEASED = 32               /* not engaged: the command repeats the steering as it is, with speed zero */
 };
 
 /* What an estimator made of one antenna's position fix. */
@@ -70,7 +70,7 @@ enum drawbar_fix {
     DRAWBAR_FIX_ACCEPTED = 0,
     DRAWBAR_FIX_MISSING = 1,            /* the receiver reported none */
     DRAWBAR_FIX_STALE = 2,              /* the receiver repeated an old one while the vehicle moved */
-    DRAWBAR_FIX_REJECTED = 3,           /* too far from the predicted position, or contradicted by the other
+    DRAWBAR_FIX_REJECTED = 3            /* too far from the predicted position, or contradicted by the other
                                          * antenna */
 };
 
@@ -81,7 +81,7 @@ enum drawbar_quality {
     DRAWBAR_QUALITY_SINGLE = 2,         /* without corrections */
     DRAWBAR_QUALITY_DIFFERENTIAL = 3,
     DRAWBAR_QUALITY_FLOAT = 4,          /* RTK, ambiguities not resolved */
-    DRAWBAR_QUALITY_FIXED = 5,          /* RTK, ambiguities resolved */
+    DRAWBAR_QUALITY_FIXED = 5           /* RTK, ambiguities resolved */
 };
 
 /* Outcome of a solver call; the C runtime returns the same numbers. */
@@ -91,7 +91,7 @@ enum drawbar_solver {
     DRAWBAR_SOLVER_INFEASIBLE = 2,
     DRAWBAR_SOLVER_NOT_FINITE = 3,
     DRAWBAR_SOLVER_CHECK_FAILED = 4,
-    DRAWBAR_SOLVER_BAD_INPUT = 5,
+    DRAWBAR_SOLVER_BAD_INPUT = 5
 };
 
 /* What the gate made of a command. */
@@ -100,7 +100,7 @@ enum drawbar_gate {
     DRAWBAR_GATE_LIMITED = 1,           /* steering clamped where the valve is already fully open; the motion is
                                          * unchanged */
     DRAWBAR_GATE_REPEATED = 2,          /* refused: the last one that passed was repeated */
-    DRAWBAR_GATE_STOPPED = 3,           /* refused, and there was none to repeat, or none new enough: speed zero,
+    DRAWBAR_GATE_STOPPED = 3            /* refused, and there was none to repeat, or none new enough: speed zero,
                                          * steering held */
 };
 
@@ -111,7 +111,7 @@ enum drawbar_guidance {
                                          * is missing */
     DRAWBAR_GUIDANCE_POSE_NOT_FINITE = 2, /* a body's position or yaw is not finite */
     DRAWBAR_GUIDANCE_SPEED_NOT_FINITE = 3,
-    DRAWBAR_GUIDANCE_NO_WAY = 4,        /* the tractor faces away and no turns lead onto the path */
+    DRAWBAR_GUIDANCE_NO_WAY = 4         /* the tractor faces away and no turns lead onto the path */
 };
 
 /* One pose of a path's table. */
