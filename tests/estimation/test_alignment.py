@@ -77,6 +77,25 @@ def test_values_of_any_age_are_brought_to_now() -> None:
         assert (aligned.tractor_steering, aligned.hitch_angle) == pytest.approx((0.0, 0.3), abs=1e-12)
 
 
+@pytest.mark.parametrize("age", [0.1, 0.2, 0.5, 0.95])
+def test_a_late_fix_of_a_curve_is_brought_to_now(age: float) -> None:
+    speed, rate = 2.5, 0.3
+
+    def there(time: float) -> Estimate:
+        tractor, trailer = (
+            Pose(x=radius * math.sin(rate * time), y=-radius * math.cos(rate * time), yaw=rate * time)
+            for radius in (speed / rate, 8.0)
+        )
+        return estimate(time, tractor, trailer)
+
+    then, now = there(1.2 - age), there(1.2)
+    fixes = (then.tractor.x, then.tractor.y, then.trailer.x, then.trailer.y)
+    late = measurement(1.2, fixes, tractor_fix_age=age, trailer_fix_age=age)
+    aligned = Alignment(VehicleParameters()).apply(late, there(1.0), now)
+    assert (aligned.tractor_x, aligned.tractor_y) == pytest.approx((now.tractor.x, now.tractor.y), abs=0.01)
+    assert (aligned.trailer_x, aligned.trailer_y) == pytest.approx((now.trailer.x, now.trailer.y), abs=0.01)
+
+
 def weave(
     alignment: Alignment, samples: int, age: float = 0.0, *, tells: bool = True, corrected: float = 0.0, **values: Any
 ) -> list[float]:

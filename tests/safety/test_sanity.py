@@ -1,7 +1,7 @@
 """What ends a run, or slows it, for what its sensors show: coarse positions, jumps, motion backwards."""
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Container, Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -44,6 +44,16 @@ def test_motion_backwards_is_seen_by_one_antenna(lost: str) -> None:
     assert SAMPLE * statuses.index(Status.BACKWARDS) <= 1.6
 
 
+@pytest.mark.parametrize("every", [2, 4])
+def test_motion_backwards_is_seen_by_receivers_that_report_less_often(every: int) -> None:
+    sanity, statuses = Sanity(), []
+    nowhere = dict.fromkeys(("tractor_x", "tractor_y", "trailer_x", "trailer_y"), math.nan)
+    for k in range(15):
+        seen = replace(measurement(k, moved=-SAMPLE * k), **(nowhere if k % every else {}))
+        statuses.append(sanity.look(seen, estimate(), beside(0.0), beside(0.0))[0])
+    assert SAMPLE * statuses.index(Status.BACKWARDS) <= 1.6
+
+
 def test_without_any_fix_nothing_moves_backwards() -> None:
     sanity, nowhere = Sanity(), dict.fromkeys(("tractor_x", "tractor_y", "trailer_x", "trailer_y"), math.nan)
     for k in range(60):
@@ -70,7 +80,9 @@ def test_a_jump_of_both_antennas_is_no_motion(jump: float) -> None:
 NEVER = range(0)
 
 
-def jumped(begin: int, tractor: float, trailer: float, coarse: range = NEVER, held: range = NEVER) -> list[int]:
+def jumped(
+    begin: int, tractor: float, trailer: float, coarse: Container[int] = NEVER, held: Container[int] = NEVER
+) -> list[int]:
     """Return the statuses of a drive whose estimate leaps so far (m) to the left at a sample.
 
     Some fixes are coarse, some are repeated.
@@ -91,6 +103,11 @@ def jumped(begin: int, tractor: float, trailer: float, coarse: range = NEVER, he
 def test_positions_that_jump_together_end_the_run(left: float) -> None:
     assert [k for k, status in enumerate(jumped(30, left, left)) if status] == [30]
     assert jumped(30, left, left)[30] == Status.JUMPED
+
+
+def test_receivers_that_report_at_every_fourth_sample_excuse_no_jump() -> None:
+    waiting = [k for k in range(60) if k % 4]
+    assert jumped(32, 0.5, 0.5, held=waiting)[32] == Status.JUMPED
 
 
 def test_small_jumps_and_those_of_one_body_do_not() -> None:

@@ -1,6 +1,6 @@
 /* Between two samples: what a quantity was at an earlier time, and what an old value of it would be now.
  *
- * From the last estimate to what is expected now every quantity is taken to change evenly.
+ * From the last estimate to what is expected now every quantity is taken to change evenly; a body moves along an arc.
  */
 #ifndef DRAWBAR_BETWEEN_SAMPLES_H
 #define DRAWBAR_BETWEEN_SAMPLES_H
@@ -21,6 +21,19 @@ struct since {
 static inline double at_age(const struct since *since, double age, double then, double now)
 {
     return age > 0.0 && since->elapsed > 0.0 ? now - age / since->elapsed * (now - then) : now;
+}
+
+/* Where a body that is `then` and `now` was at an age (s): back along an arc, whose chord over several samples is turned from
+ * that over one. */
+static inline struct drawbar_pose pose_at_age(const struct since *since, double age, const struct drawbar_pose *then,
+                                              const struct drawbar_pose *now)
+{
+    const double samples = age > 0.0 && since->elapsed > 0.0 ? age / since->elapsed : 0.0;
+    const double turned = now->yaw - then->yaw, chord = -0.5 * (samples - 1.0) * turned;
+    const double east = now->x - then->x, north = now->y - then->y;
+
+    return (struct drawbar_pose){now->x - samples * (east * cos(chord) - north * sin(chord)),
+                                 now->y - samples * (east * sin(chord) + north * cos(chord)), now->yaw - samples * turned};
 }
 
 /* How far the vehicle has moved, m. */

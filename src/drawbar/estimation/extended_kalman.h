@@ -57,7 +57,8 @@ static void screen(struct component *component, const struct drawbar_measurement
         screening_hitch(&component->screening, model_hitch(component->filter.x[0]), screened);
         screening_lengths(&component->screening, antennas, screened);
     }
-    if (screened->restart && model_new_guess(&component->model, measurement, component->filter.x[0], guess)) {
+    const struct drawbar_measurement anew = screened_anew(screened, measurement);
+    if (screened->restart && model_new_guess(&component->model, &anew, component->filter.x[0], guess)) {
         memcpy(component->filter.x[0], guess, sizeof guess);
         filter_forget(&component->filter);
     }

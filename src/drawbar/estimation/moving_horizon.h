@@ -44,9 +44,10 @@ int UNIT(begin)(struct component *component, const struct drawbar_measurement *f
 /* Start anew where both antennas overrule the prediction. */
 static void overrule(struct component *component, const struct drawbar_measurement *measurement)
 {
+    const struct drawbar_measurement anew = screened_anew(&component->screened, measurement);
     double guess[NX];
 
-    if (model_new_guess(&component->model, measurement, newest_state(component), guess)) {
+    if (model_new_guess(&component->model, &anew, newest_state(component), guess)) {
         fix_weights_reset(&component->weights, &component->rti);
         component->prepared = window_restart(&component->window, &component->rti, guess);
     }

@@ -158,8 +158,7 @@ static inline void align_fix(struct position_alignment *positions, int body, con
     const int has_mast = !mast_is_none(mast);
     struct attitude attitude = {0.0, 0.0};
     double arm[2] = {0.0, 0.0};
-    const struct drawbar_pose then = {at_age(since, age, last->x, now->x), at_age(since, age, last->y, now->y),
-                                      at_age(since, age, last->yaw, now->yaw)};
+    const struct drawbar_pose then = pose_at_age(since, age, last, now);
     if (has_mast)
         attitude = attitude_then(positions, body, since, age, &then);
     if (isnan(age)) {

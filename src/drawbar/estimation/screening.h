@@ -16,12 +16,16 @@
 #include "sway.h"
 #include "trust.h"
 
+#define PAIR_LASTS 0.9                     /* for so long after two new fixes samples without both say nothing: receivers may
+                                            * report less often than samples are taken, s */
+#define PAIR_WAIT 0.3                      /* for so long a fix waits for the other antenna's, s */
 #define COARSE 3.0                         /* nominal standard deviations; a fix beyond neither confirms nor suspects another */
 
 /* State of one receiver. */
 struct receiver {
     double fix[2], expected[2];            /* the newest fix; where the antenna was expected when it was first reported, m */
     time_stamp accepted;                   /* of the last accepted fix that was not coarse */
+    time_stamp waiting;                    /* since when the newest one, not coarse, waits to be compared with the other antenna's */
     int32_t reported, was_accepted;        /* has it ever reported a fix; has one been accepted? */
 };
 
@@ -39,7 +43,8 @@ struct screening {
     struct manoeuvre manoeuvre;
     struct spike_filter spikes[3];         /* of speed and both steerings */
     double length_error;                   /* mean error of the antennas' distance, m */
-    int32_t refused;                       /* both fixes of the last sample lay outside their gates */
+    time_stamp paired;                     /* when both receivers last had a new fix */
+    int32_t refused;                       /* both fixes lay outside their gates then */
     int32_t lengths;                       /* samples in the mean error */
 };
 
@@ -66,6 +71,7 @@ struct screened {
 
 /* Both fixes of a sample, compared with what is expected of them. */
 struct fix_pair {
+    double fixes[4];                       /* x, y of the tractor's and of the trailer's, m */
     double reported[2];                    /* standard deviation of each, m; NaN: nominal */
     double innovations[4];                 /* longitudinal and lateral, see antennas.h, m */
     double length_innovation;              /* of the antennas' distance, m */
@@ -149,8 +155,15 @@ static inline double screening_white(const struct screening *s)
     return fmax(noise_deviation(&s->noise), s->deviation);
 }
 
+/* Whether a sample without two new fixes is one between those of slower receivers. */
+static inline int screening_waits(const struct screening *s, double time)
+{
+    return time - s->paired < PAIR_LASTS;
+}
+
 /* Test both fixes against their gates and each other. deviation: of one coordinate of a nominal fix, with sway, m. */
-static inline void screening_test(struct screening *s, const struct fix_pair *pair, double deviation, int *outside)
+static inline void screening_test(struct screening *s, double time, const struct fix_pair *pair, double deviation,
+                                  int *outside)
 {
     const double by_speed = s->late * s->manoeuvre.change.speed, *widenings = pair->widenings;
     const double widening = fmax(widenings[0], widenings[1]);
@@ -163,9 +176,10 @@ static inline void screening_test(struct screening *s, const struct fix_pair *pa
                        && fabs(pair->innovations[2 * i]) <= longitudinal);
     }
     if (pair->both) {
+        s->paired = time;
         screening_narrow(s, pair->innovations, across, widening, outside);
         screening_compare(s, pair->innovations, outside, deviation, widening);
-    } else {
+    } else if (!screening_waits(s, time)) {
         s->refused = 0;
         noise_interrupt(&s->noise);
         suspicion_forget(&s->suspicion);
@@ -188,36 +202,66 @@ static inline void screening_learn(struct screening *s, double length_innovation
     s->length_error += (length_innovation - s->length_error) / s->lengths;
 }
 
+/* The status of each receiver's fix; returns whether both have one that was not compared yet: receivers may report in turns.
+ * Both are then in the pair, the older one moved along with its antenna. */
+static inline int screening_receive(struct screening *s, double time, const double *expected, struct fix_pair *pair,
+                                    int32_t *found)
+{
+    int waiting = 0;
+
+    for (int i = 0; i < 2; ++i) {
+        struct receiver *receiver = &s->receivers[i];
+        found[i] = receiver_fix(receiver, pair->fixes + 2 * i, expected + 2 * i, s->repetition);
+        if (found[i] == DRAWBAR_FIX_ACCEPTED)
+            receiver->waiting = pair->reported[i] > COARSE * s->deviation ? -(double)INFINITY : time;
+        waiting += receiver->reported && time - receiver->waiting < PAIR_WAIT;
+    }
+    for (int i = 0; i < 2 && waiting == 2; ++i) {
+        struct receiver *receiver = &s->receivers[i];
+        receiver->waiting = -(double)INFINITY;
+        for (int j = 0; j < 2 && found[i] != DRAWBAR_FIX_ACCEPTED; ++j)
+            pair->fixes[2 * i + j] = expected[2 * i + j] + (receiver->fix[j] - receiver->expected[j]);
+    }
+    return waiting == 2;
+}
+
 /* Compare the fixes of a measurement with what is expected of them: x, y of the tractor's antenna and of the trailer's, m.
  * `found` becomes the status of each. */
 static inline struct fix_pair screening_pair(struct screening *s, const struct drawbar_measurement *measurement,
                                              const double *expected, int32_t *found)
 {
-    const double fixes[] = {measurement->tractor_x, measurement->tractor_y, measurement->trailer_x,
-                            measurement->trailer_y};
-    struct fix_pair pair = {.reported = {measurement->tractor_fix_deviation, measurement->trailer_fix_deviation}};
+    struct fix_pair pair = {
+        .fixes = {measurement->tractor_x, measurement->tractor_y, measurement->trailer_x, measurement->trailer_y},
+        .reported = {measurement->tractor_fix_deviation, measurement->trailer_fix_deviation},
+    };
 
-    antenna_innovations(fixes, expected, pair.innovations);
-    pair.length_innovation = antenna_length_error(fixes, expected);
+    pair.both = screening_receive(s, measurement->time, expected, &pair, found);
+    antenna_innovations(pair.fixes, expected, pair.innovations);
+    pair.length_innovation = antenna_length_error(pair.fixes, expected);
     screening_widenings(s, measurement->time, distance(expected, expected + 2), pair.widenings);
-    for (int i = 0; i < 2; ++i)
-        found[i] = receiver_fix(&s->receivers[i], fixes + 2 * i, expected + 2 * i, s->repetition);
-    pair.both = found[0] == DRAWBAR_FIX_ACCEPTED && found[1] == DRAWBAR_FIX_ACCEPTED
-        && !(fmax(pair.reported[0], pair.reported[1]) > COARSE * s->deviation);
     return pair;
 }
 
-/* Reject the fixes that lie outside their gates or are suspect; returns how many. */
+/* Reject the fixes that lie outside their gates or are suspect; returns how many, with one that waits for the other. */
 static inline int screening_reject(const struct screening *s, const int *outside, int32_t *found)
 {
-    int rejected = 0;
+    int refused = 0;
 
     for (int i = 0; i < 2; ++i)
-        if (found[i] == DRAWBAR_FIX_ACCEPTED && (outside[i] || s->suspicion.suspect == TRACTOR_ANTENNA + i)) {
-            found[i] = DRAWBAR_FIX_REJECTED;
-            ++rejected;
+        if (outside[i] || s->suspicion.suspect == TRACTOR_ANTENNA + i) {
+            found[i] = found[i] == DRAWBAR_FIX_ACCEPTED ? DRAWBAR_FIX_REJECTED : found[i];
+            ++refused;
         }
-    return rejected;
+    return refused;
+}
+
+/* Put both fixes into a measurement. */
+static inline void screening_place(const double *fixes, struct drawbar_measurement *measurement)
+{
+    measurement->tractor_x = fixes[0];
+    measurement->tractor_y = fixes[1];
+    measurement->trailer_x = fixes[2];
+    measurement->trailer_y = fixes[3];
 }
 
 /* Start a screened measurement: of speed and steering angles single outliers are masked. */
@@ -275,15 +319,17 @@ static inline void screening_judge(struct screening *s, const struct drawbar_mea
 
     manoeuvre_update(&s->manoeuvre, &motion, s->settling);
     const struct fix_pair pair = screening_pair(s, measurement, expected, screened->fixes);
-    screening_test(s, &pair, sqrt(white * white + sway), outside);
-    const int rejected = screening_reject(s, outside, screened->fixes);
+    screening_test(s, measurement->time, &pair, sqrt(white * white + sway), outside);
+    const int refused = screening_reject(s, outside, screened->fixes);
     const int agreeing = pair.both && screening_plausible(s, &pair);
-    screened->restart = trust_overruled(&s->trust, measurement->time, agreeing, rejected, s->patience);
+    screened->restart = (pair.both || !screening_waits(s, measurement->time))
+        && trust_overruled(&s->trust, measurement->time, agreeing, refused, s->patience);
     screened->exposed = s->suspicion.suspect != before && !screened->restart ? s->suspicion.suspect : NEITHER;
     if (screened->restart) {
         suspicion_forget(&s->suspicion);
         screened->fixes[0] = screened->fixes[1] = DRAWBAR_FIX_ACCEPTED;
-    } else if (pair.both && !rejected) {
+        screening_place(pair.fixes, &screened->measurement);
+    } else if (pair.both && !refused) {
         screening_learn(s, pair.length_innovation);
     }
     screening_accept(s, measurement, screened);
@@ -312,6 +358,18 @@ static inline void screening_hitch(const struct screening *s, double expected, s
 {
     if (!(fabs(wrapped(screened->measurement.hitch_angle - expected)) <= s->hitch))
         screened->measurement.hitch_angle = (double)NAN;
+}
+
+/* The measurement, as reported, from which an estimate that both antennas overrule starts anew. */
+static inline struct drawbar_measurement screened_anew(const struct screened *screened,
+                                                       const struct drawbar_measurement *measurement)
+{
+    const struct drawbar_measurement *both = &screened->measurement;
+    const double fixes[] = {both->tractor_x, both->tractor_y, both->trailer_x, both->trailer_y};
+    struct drawbar_measurement anew = *measurement;
+
+    screening_place(fixes, &anew);
+    return anew;
 }
 
 /* Write the statuses of the fixes into an estimate. */

@@ -17,6 +17,8 @@
 #define MOTION_SHARE 0.3                   /* share of that distance, backwards, that a point must move */
 #define JUMP_MEMORY 3.0                    /* after fine positions were missing, large corrections are due: for so long they are
                                             * no jumps, s */
+#define SILENCE 0.9                        /* time without fine positions that counts: receivers may report less often than
+                                            * samples are taken, s */
 #define JUMP_SHARE 0.1                     /* share of what the wheels cover that they may be wrong by */
 #define MOST_SPELLS 2                      /* how often a run may begin to oscillate */
 #define SWING_SPEED 0.1                    /* below which a vehicle shows no calm, m/s */
@@ -30,10 +32,12 @@ struct component {
     double position;                       /* standard deviation of a fix whose receiver reports none, m */
     int32_t swings_slow, swings_stop;      /* half waves */
     /* state */
-    time_stamp time, last_fine, last_none; /* of the last sample, of the last fine fix, and of the last sample for which no
-                                              receiver reported a fine position, accepted or not */
+    time_stamp time, last_fine;            /* of the last sample, and of the last fine fix */
+    time_stamp last_new, last_none;        /* when a receiver last reported a fine position, accepted or not; and of the last
+                                              sample of a time without any */
     struct drawbar_pose bodies[2];         /* of the last estimate */
-    double fixes[4];                       /* of the last sample, m */
+    double fixes[4];                       /* fine ones of the last sample that had one, m, */
+    time_stamp moved_to;                   /* and its time */
     double distance, moved[2];             /* recent, by the wheels; of both points along their bodies, m */
     double observed[2];                    /* part of that distance with fixes of each point, m */
     struct swings errors[2], steering;
@@ -77,28 +81,38 @@ static inline int has_moved_back(const struct component *sanity, int i)
         && (sanity->moved[other] < limit || (!(sanity->observed[other] > observed) && sanity->distance > 2.0 * MOTION_LEAST));
 }
 
-/* Whether both points move against their bodies' headings while the wheels turn forwards, or the wheels turn backwards. Where
- * only one has fixes, twice the distance is needed. */
-static inline int moves_backwards(struct component *sanity, const struct drawbar_measurement *m,
-                                  const struct drawbar_estimate *estimate)
+/* The positions of both antennas, m, NaN in place of a coarse one: its noise is no motion. */
+static inline void fine_fixes(const struct component *sanity, const struct drawbar_measurement *m, double *fixes)
 {
-    double fixes[] = {m->tractor_x, m->tractor_y, m->trailer_x, m->trailer_y};
-    const double yaws[] = {estimate->tractor.yaw, estimate->trailer.yaw};
+    const double reported[] = {m->tractor_x, m->tractor_y, m->trailer_x, m->trailer_y};
     const double deviations[] = {m->tractor_fix_deviation, m->trailer_fix_deviation};
-    const double elapsed = m->time - sanity->time, decay = exp(-elapsed / MOTION_TIME);
-    const double distance = isfinite(m->speed) ? fmax(m->speed * elapsed, -MOTION_SHARP * MOTION_LEAST) : 0.0;
 
-    sanity->distance = decay * sanity->distance + distance;
-    for (int i = 0; i < 2; ++i) {
-        /* the noise of a coarse fix is no motion */
+    memcpy(fixes, reported, sizeof reported);
+    for (int i = 0; i < 2; ++i)
         if ((isnan(deviations[i]) ? sanity->position : deviations[i]) > sanity->fine)
             fixes[2 * i] = (double)NAN;
+}
+
+/* Whether both points move against their bodies' headings while the wheels turn forwards, or the wheels turn backwards. Where
+ * only one has fixes, twice the distance is needed. */
+static inline int moves_backwards(struct component *sanity, const struct drawbar_measurement *m, const double *fixes,
+                                  const struct drawbar_estimate *estimate)
+{
+    const double yaws[] = {estimate->tractor.yaw, estimate->trailer.yaw};
+    const double elapsed = m->time - sanity->moved_to, decay = exp(-elapsed / MOTION_TIME);
+    const double distance = isfinite(m->speed) ? fmax(m->speed * elapsed, -MOTION_SHARP * MOTION_LEAST) : 0.0;
+
+    if (isnan(fixes[0]) && isnan(fixes[2]) && elapsed < SILENCE && !(m->speed < 0.0))
+        return 0;                          /* shown by the next fix */
+    sanity->moved_to = m->time;
+    sanity->distance = decay * sanity->distance + distance;
+    for (int i = 0; i < 2; ++i) {
         const double east = fixes[2 * i] - sanity->fixes[2 * i], north = fixes[2 * i + 1] - sanity->fixes[2 * i + 1];
         const double along = east * cos(yaws[i]) + north * sin(yaws[i]), most = 2.0 * fabs(distance);
         sanity->moved[i] = decay * sanity->moved[i] + (isfinite(along) ? clamped(along, -most, most) : 0.0);
         sanity->observed[i] = decay * sanity->observed[i] + (isfinite(along) ? distance : 0.0);
     }
-    memcpy(sanity->fixes, fixes, sizeof fixes);
+    memcpy(sanity->fixes, fixes, sizeof sanity->fixes);
     return sanity->distance < -MOTION_LEAST
         || (sanity->distance > MOTION_LEAST && (has_moved_back(sanity, 0) || has_moved_back(sanity, 1)));
 }
@@ -118,7 +132,8 @@ static inline double leap(const struct drawbar_pose *before, const struct drawba
 }
 
 /* Whether both bodies have leapt: both positions have overruled the estimate. */
-static inline int has_jumped(struct component *sanity, time_stamp time, const struct drawbar_estimate *estimate)
+static inline int has_jumped(struct component *sanity, time_stamp time, const double *fixes,
+                             const struct drawbar_estimate *estimate)
 {
     const struct drawbar_pose bodies[] = {estimate->tractor, estimate->trailer};
     const double elapsed = time - sanity->time, covered = estimate->longitudinal_slip * estimate->speed * elapsed;
@@ -127,7 +142,9 @@ static inline int has_jumped(struct component *sanity, time_stamp time, const st
         && leap(&sanity->bodies[1], &bodies[1], covered) > most;
 
     memcpy(sanity->bodies, bodies, sizeof bodies);
-    if (!is_new(sanity->fixes[0], estimate->tractor_fix) && !is_new(sanity->fixes[2], estimate->trailer_fix))
+    if (is_new(fixes[0], estimate->tractor_fix) || is_new(fixes[2], estimate->trailer_fix))
+        sanity->last_new = time;
+    else if (time - sanity->last_new > SILENCE)
         sanity->last_none = time;
     return leapt && time - sanity->last_none > JUMP_MEMORY;
 }
@@ -172,12 +189,14 @@ int UNIT(judge)(struct component *sanity, const struct drawbar_measurement *repo
                 double *share)
 {
     if (!sanity->initialised) {
-        sanity->last_fine = sanity->last_none = sanity->time = measurement->time;
+        sanity->last_fine = sanity->last_new = sanity->last_none = sanity->moved_to = sanity->time = measurement->time;
         sanity->initialised = 1;
     }
     const double coarse = without_fine(sanity, measurement, estimate), elapsed = measurement->time - sanity->time;
-    const int backwards = moves_backwards(sanity, measurement, estimate);
-    const int jumped = has_jumped(sanity, measurement->time, estimate);
+    double fixes[4];
+    fine_fixes(sanity, measurement, fixes);
+    const int backwards = moves_backwards(sanity, measurement, fixes, estimate);
+    const int jumped = has_jumped(sanity, measurement->time, fixes, estimate);
     const int contradiction = hitch_judge(&sanity->hitch, reported->hitch_angle, measurement, estimate, departure, elapsed);
     sanity->time = measurement->time;
     const int32_t swings = swings_of(sanity, estimate, tractor, trailer);
