@@ -325,8 +325,8 @@ def test_an_unstated_dead_time_is_driven_with_from_the_first_metre(case: str, si
 def test_an_unstated_rate_is_driven_with(simulate: Callable) -> None:
     """Planned with the stated rate, front wheels of half of it swing at 3 m/s until the run is stopped.
 
-    Rates of the bank are 1.2 apart: one run is off by up to half of that, or by its own deviation where that is more; the
-    mean of five is not. (Of 24 seeds with two compilers, 5 of 48 runs are off by more than half a step.)
+    Rates of the bank are 1.2 apart: one run is off by up to half of that, or by its own deviation where that is more;
+    the mean of five is not. (Of 24 seeds with two compilers, 5 of 48 runs are off by more than half a step.)
     """
     slow = 0.218
     rates = []
