@@ -55,6 +55,22 @@ def test_the_place_of_the_antenna_of_a_simulated_machine_is_found_within_its_dev
         assert value.deviation < 0.05
 
 
+def test_slip_that_lasts_in_long_curves_is_part_of_the_deviation() -> None:
+    """Each 90 s the wheels slip by another 2 % and the axle by another 4 % of the steering."""
+    errors = []
+    for seed in range(12):
+        given = drive(1.2, 0.1, seconds=360.0, half=20.0, seed=seed)
+        part = (given.times / 90.0).astype(int)
+        slip, aside = 1.0 + np.array([[0.02], [0.04]]) * np.random.default_rng([seed, 9]).normal(size=(2, 5))
+        slipping = replace(
+            given, wheel_speeds=slip[part] * given.wheel_speeds, front_wheels=aside[part] * given.front_wheels
+        )
+        left = antenna_place(slipping, wheelbase=1.4).left
+        errors.append((left.value - 0.1) / left.deviation)
+    assert np.abs(errors).max() < 3.0
+    assert np.sqrt(np.mean(np.square(errors))) < 1.3
+
+
 def test_factor_and_offset_of_the_wheels_do_no_harm_and_gaps_are_left_out() -> None:
     given = drive(0.5, 0.1)
     x = np.where((given.times > 40.0) & (given.times < 48.0), np.nan, given.x)

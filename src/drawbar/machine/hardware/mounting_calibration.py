@@ -27,6 +27,8 @@ _GOES = 1.0
 """least distance from its begin that a stretch reaches, m: more than a standing antenna seems to"""
 _FEWEST = 8
 """stretches"""
+_ALIKE = 5
+"""stretches one after the other on ground of one kind, where the wheels slip alike"""
 _EXPLAINED = 0.08
 """largest rms of what the wheels leave of the track, m"""
 
@@ -160,9 +162,23 @@ def _fit(
     first, sizes = (1.0, 1.0, 1.0, 0.0, 0.0, 0.0), (1.0, 1.0, 1.0, 0.1, 1.0, 1.0)
     fit = least_squares(left_over, first, x_scale=sizes, loss="soft_l1", f_scale=0.05)
     residual = float(np.sqrt(np.mean(left_over(fit.x) ** 2)))
+    covariance = np.linalg.pinv(fit.jac.T @ fit.jac)
     per_second = times.shape[1] / _STRETCH  # errors of a position last a second and more
-    deviations = residual * np.sqrt(np.diag(np.linalg.pinv(fit.jac.T @ fit.jac)) * max(per_second, 1.0))
+    white = residual**2 * max(per_second, 1.0) * np.diag(covariance)
+    pulls = np.einsum("akmp,akm->kp", fit.jac.reshape(2, *times.shape, -1), fit.fun.reshape(2, *times.shape))
+    deviations = np.sqrt(np.maximum(white, np.diag(covariance @ _lasting(pulls) @ covariance)))
     return fit.x[4:], deviations[4:], residual
+
+
+def _lasting(pulls: Floats) -> Floats:
+    """Return the covariance of the sum of what stretches (k, p) pull at p parameters: neighbours slip alike.
+
+    Of the sums over groups of neighbours (White 1980; Liang and Zeger 1986).
+    """
+    starts = np.arange(0, len(pulls), _ALIKE)
+    groups = np.add.reduceat(pulls, starts, axis=0)
+    found: Floats = groups.T @ groups * (len(starts) / max(len(starts) - 1, 1))
+    return found
 
 
 def _stretches(time: Floats, places: NDArray[Any]) -> NDArray[np.int64]:
