@@ -50,9 +50,8 @@ class Sampler:
         self._epochs: deque[int] = deque(maxlen=_USUAL)
         self._without = [0, 0]  # samples in a row without tractor's and trailer's antenna
         self._gate: GateState | None = None
-        self._sensors: Fixes | None = (
-            None  # the newest report of the sensor board that came by itself, or with no sample
-        )
+        self._sensors: Fixes | None = None
+        """the newest report of the sensor board that came by itself, or with no sample"""
         self.dropped = 0
 
     @property
