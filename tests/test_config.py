@@ -1,5 +1,6 @@
 """Every configuration is either understood completely or refused in one readable message."""
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -398,3 +399,9 @@ def test_errors_of_an_estimate_that_is_not_ideal_are_refused() -> None:
     errors = "bounded_errors.estimate.tractor_yaw=0.01"
     assert 'set it to "ideal", or leave these bounds zero' in refusal("articulated", errors)
     assert load_configuration("articulated-ideal", [errors]).bounded_errors.estimate.tractor_yaw == 0.01
+
+
+def test_a_wrong_value_of_a_former_key_is_shown_under_the_present_one(tmp_path: Path) -> None:
+    (file := tmp_path / "old.toml").write_text('extends = "articulated"\n[actuation]\nodd = -1.0\n')
+    with pytest.raises(ConfigurationError, match=re.escape("actuation.residual = -1.0: must be greater than 0")):
+        load_configuration(str(file))

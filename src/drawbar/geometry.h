@@ -1,4 +1,4 @@
-/* Geometry: angles and gravity, as in geometry.py, rows of numbers that are poses, and time stamps. */
+/* Geometry: angles and gravity, as in geometry.py, rows of numbers that are poses, and times. */
 #ifndef DRAWBAR_GEOMETRY_H
 #define DRAWBAR_GEOMETRY_H
 
@@ -12,6 +12,8 @@
 enum { AT_X, AT_Y, AT_YAW, AT_CURVATURE };
 
 typedef double time_stamp;                 /* s, of any steady clock; a double in single precision, too */
+#define BETWEEN_FIXES 0.9                  /* longest time between two fixes of a receiver that reports less often than samples are
+                                            * taken, s */
 
 /* The angle in [-pi, pi), rad; for differences only, never for states. */
 static inline double wrapped(double angle)

@@ -23,8 +23,8 @@ static inline double at_age(const struct since *since, double age, double then, 
     return age > 0.0 && since->elapsed > 0.0 ? now - age / since->elapsed * (now - then) : now;
 }
 
-/* Where a body that is `then` and `now` was at an age (s): back along an arc, whose chord over several samples is turned from
- * that over one. */
+/* Where a body was at an age (s) that was at `then` a sample ago and is at `now`: back along the arc through both. Its chord over
+ * several samples has another direction than that over one. */
 static inline struct drawbar_pose pose_at_age(const struct since *since, double age, const struct drawbar_pose *then,
                                               const struct drawbar_pose *now)
 {

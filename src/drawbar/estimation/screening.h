@@ -16,8 +16,6 @@
 #include "sway.h"
 #include "trust.h"
 
-#define PAIR_LASTS 0.9                     /* for so long after two new fixes samples without both say nothing: receivers may
-                                            * report less often than samples are taken, s */
 #define PAIR_WAIT 0.3                      /* for so long a fix waits for the other antenna's, s */
 #define COARSE 3.0                         /* nominal standard deviations; a fix beyond neither confirms nor suspects another */
 
@@ -155,10 +153,10 @@ static inline double screening_white(const struct screening *s)
     return fmax(noise_deviation(&s->noise), s->deviation);
 }
 
-/* Whether a sample without two new fixes is one between those of slower receivers. */
+/* Whether a sample without two new fixes is one between those of slower receivers, and says nothing. */
 static inline int screening_waits(const struct screening *s, double time)
 {
-    return time - s->paired < PAIR_LASTS;
+    return time - s->paired < BETWEEN_FIXES;
 }
 
 /* Test both fixes against their gates and each other. deviation: of one coordinate of a nominal fix, with sway, m. */
@@ -242,7 +240,7 @@ static inline struct fix_pair screening_pair(struct screening *s, const struct d
     return pair;
 }
 
-/* Reject the fixes that lie outside their gates or are suspect; returns how many, with one that waits for the other. */
+/* Reject the fixes that lie outside their gates or are suspect. Returns how many of both do or are, new or not. */
 static inline int screening_reject(const struct screening *s, const int *outside, int32_t *found)
 {
     int refused = 0;

@@ -17,8 +17,6 @@
 #define MOTION_SHARE 0.3                   /* share of that distance, backwards, that a point must move */
 #define JUMP_MEMORY 3.0                    /* after fine positions were missing, large corrections are due: for so long they are
                                             * no jumps, s */
-#define SILENCE 0.9                        /* time without fine positions that counts: receivers may report less often than
-                                            * samples are taken, s */
 #define JUMP_SHARE 0.1                     /* share of what the wheels cover that they may be wrong by */
 #define MOST_SPELLS 2                      /* how often a run may begin to oscillate */
 #define SWING_SPEED 0.1                    /* below which a vehicle shows no calm, m/s */
@@ -102,7 +100,7 @@ static inline int moves_backwards(struct component *sanity, const struct drawbar
     const double elapsed = m->time - sanity->moved_to, decay = exp(-elapsed / MOTION_TIME);
     const double distance = isfinite(m->speed) ? fmax(m->speed * elapsed, -MOTION_SHARP * MOTION_LEAST) : 0.0;
 
-    if (isnan(fixes[0]) && isnan(fixes[2]) && elapsed < SILENCE && !(m->speed < 0.0))
+    if (isnan(fixes[0]) && isnan(fixes[2]) && elapsed < BETWEEN_FIXES && !(m->speed < 0.0))
         return 0;                          /* shown by the next fix */
     sanity->moved_to = m->time;
     sanity->distance = decay * sanity->distance + distance;
@@ -144,7 +142,7 @@ static inline int has_jumped(struct component *sanity, time_stamp time, const do
     memcpy(sanity->bodies, bodies, sizeof bodies);
     if (is_new(fixes[0], estimate->tractor_fix) || is_new(fixes[2], estimate->trailer_fix))
         sanity->last_new = time;
-    else if (time - sanity->last_new > SILENCE)
+    else if (time - sanity->last_new > BETWEEN_FIXES)
         sanity->last_none = time;
     return leapt && time - sanity->last_none > JUMP_MEMORY;
 }
