@@ -23,7 +23,7 @@
 struct receiver {
     double fix[2], expected[2];            /* the newest fix; where the antenna was expected when it was first reported, m */
     time_stamp accepted;                   /* of the last accepted fix that was not coarse */
-    time_stamp waiting;                    /* since when the newest one, not coarse, waits to be compared with the other antenna's */
+    time_stamp waiting;                    /* since when the newest one, not coarse, waits for the other antenna's */
     int32_t reported, was_accepted;        /* has it ever reported a fix; has one been accepted? */
 };
 
