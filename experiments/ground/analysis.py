@@ -67,8 +67,8 @@ def _product(measured: MeasuredExperiment) -> Table:
         name="product",
         caption=f"`{PRODUCT}`: distance of the points on the ground from the path after the first {BEGINS:g} m: mean, "
         "standard deviation of the signed distance, that on the straights, 95 %, means over the seeds (largest of all "
-        "seeds), cm; limits of the mean and of every run where there are any, bold where one is missed. Fixes that were not believed, %; dead time and lag that "
-        "were planned with at the end, s.",
+        "seeds), cm; limits of the mean and of every run where there are any, bold where one is missed. Fixes that "
+        "were not believed, %; dead time and lag that were planned with at the end, s.",
         header=["", "finished", *BODIES, "masked, %", "dead time, s", "lag, s"],
         rows=rows,
     )
