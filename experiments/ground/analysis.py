@@ -4,7 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from drawbar.experiment.elements import Element, Table, Text
+from drawbar.experiment.comparison import comparison
+from drawbar.experiment.elements import Element, Table
 from drawbar.experiment.measured import MeasuredExperiment
 from drawbar.experiment.task import Result
 
@@ -52,13 +53,12 @@ def _straight_deviation(result: Result, body: str) -> float:
 def report(measured: MeasuredExperiment) -> Iterator[Element]:
     """Yield the product's table, the comparators' and who is nearer than the product."""
     yield _product(measured)
-    yield _comparators(measured)
-    yield Text(text=_nearer(measured))
+    yield from comparison(measured, PRODUCT, MEANS)
 
 
 def _product(measured: MeasuredExperiment) -> Table:
     rows = []
-    for variant in _variants(measured):
+    for variant in [each.name for each in measured.experiment.settings.variants]:
         case = f"{PRODUCT}: {variant}"
         cells = [_body(measured, case, body) for body in BODIES]
         found = [measured.statistic(case, name) for name in ("masked", "dead time", "lag")]
@@ -85,50 +85,3 @@ def _body(measured: MeasuredExperiment, case: str, body: str) -> str:
     text = " / ".join(f"{value:.1f}" for value in (mean, *others)) + f" ({largest:.0f})"
     shown = text if all(limit.holds(found) for limit, found in asked) else f"**{text}**"
     return " ".join([shown, "; ".join(str(limit) for limit, _ in asked)]).rstrip()
-
-
-def _variants(measured: MeasuredExperiment) -> list[str]:
-    return [variant.name for variant in measured.experiment.settings.variants]
-
-
-def _cases(measured: MeasuredExperiment) -> list[str]:
-    return [case.name for case in measured.experiment.settings.cases]
-
-
-def _compared(measured: MeasuredExperiment) -> list[str]:
-    others = _cases(measured)[1:]
-    return [each for each in _variants(measured) if any(f"{case}: {each}" in measured.runs for case in others)]
-
-
-def _comparators(measured: MeasuredExperiment) -> Table:
-    cases = _cases(measured)
-    return Table(
-        name="comparators",
-        caption="Mean distance of the points on the ground from the path, tractor / trailer, cm, mean over the seeds; "
-        "in brackets how many runs came to the end, where not all did.",
-        header=["", *cases],
-        rows=[
-            [variant, *(measured.means(f"{case}: {variant}", MEANS) for case in cases)]
-            for variant in _compared(measured)
-        ],
-    )
-
-
-def _nearer(measured: MeasuredExperiment) -> str:
-    """Say which comparator is nearer to the path than the product with both bodies, and where."""
-    lines = [f"Comparators whose mean distance is below that of `{PRODUCT}` on both bodies:", ""]
-    for case in _cases(measured)[1:]:
-        nearer = [variant for variant in _compared(measured) if _beats(measured, case, variant)]
-        lines.append(f"- `{case}`: {'; '.join(nearer) or 'never'}")
-    return "\n".join([*lines, "", "`…-ideal` knows the true state, which no machine does: it shows the limit."])
-
-
-def _beats(measured: MeasuredExperiment, case: str, variant: str) -> bool:
-    name = f"{case}: {variant}"
-    if name not in measured.runs:
-        return False
-    margins = [
-        measured.statistic(f"{PRODUCT}: {variant}", f"{body} mean").mean - measured.statistic(name, f"{body} mean").mean
-        for body in BODIES
-    ]
-    return all(margin > 0.0 for margin in margins)

@@ -105,6 +105,8 @@ class ExperimentSettings(Settings):
     """the reason why expected figures are missed, for the same place, likewise"""
     seeds: Annotated[int, Field(ge=1)] = 20
     """runs of each case, with the seeds 0, 1, …"""
+    side_by_side: Texts = ()
+    """figures that the report shows beside those of other experiments, for cases of the same name"""
     columns: Texts = ()
     """what is kept of a run step by step, see Task.columns"""
     rehearsed: bool = False
