@@ -23,8 +23,8 @@ from drawbar.console.audit import Audit
 from drawbar.console.drawing import Lines
 from drawbar.console.instruments import Instruments
 from drawbar.console.link import Link
+from drawbar.console.next_drive import NextDrive
 from drawbar.console.pages import Pages
-from drawbar.console.workshop import Workshop
 from drawbar.driving.messaging.console_options import ConsoleOptions
 from drawbar.driving.stand_in.demonstration import with_stand_ins
 from drawbar.geometry import LocalFrame
@@ -65,7 +65,7 @@ class Stage:
         self.configuration = load_configuration("articulated")
         self.link = Link(self._send, Audit(audit), lambda: self.now, self.configuration.vehicle)
         folder = folder or Path("nowhere")
-        self.workshop = Workshop(
+        self.next_drive = NextDrive(
             self.configuration,
             with_stand_ins(self.configuration),
             FRAME,
@@ -212,7 +212,7 @@ async def console(stage, users=None, **options):
         try:
             prepare_simulation()
             lines = Lines(figure_eights((8.0,), 20.0), 3.0)
-            pages = Pages(settings, stage.link, stage.workshop, STANDING, lines, users, stage.link._audit)
+            pages = Pages(settings, stage.link, stage.next_drive, STANDING, lines, users, stage.link._audit)
             pages.install()
             ui.run(storage_secret="simulated", reload=False, show=False)
             failure = None
