@@ -205,7 +205,7 @@ def _listed(runs):
 
 @pytest.fixture
 def drive_log(tmp_path):
-    """Return the log of a drive by the gate's real desk: refused to engage, stopped, acknowledged."""
+    """Return the log of a drive by the gate's real engagement: refused to engage, stopped, acknowledged."""
     stage, file = Stage(), tmp_path / "log.mcap"
     states, asked = [], []
     receive = stage.link.receive
@@ -222,7 +222,7 @@ def drive_log(tmp_path):
             seen_sequence=stage.link.gate.sequence,
             seen_time=stage.link.gate.time,
         )
-        stage.desk.receive(stage.time, message)
+        stage.requests.receive(stage.time, message)
         asked += [message, message]  # the recorder may hear a message twice
         stage.run(3.0)
     with file.open("wb") as stream:

@@ -16,7 +16,7 @@ from drawbar.console.visitors import Visitor
 from drawbar.console.words import Words
 from drawbar.messages import Action
 from drawbar.safety.causes import Cause
-from drawbar.safety.desk import ALWAYS
+from drawbar.safety.operator_requests import ALWAYS
 
 _TEXTS = ("old", "map", "zoom_in", "zoom_out", "whole")
 

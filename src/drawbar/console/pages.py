@@ -63,7 +63,7 @@ class Pages:
         self._visitors = Visitors()
         self._open: dict[str, tuple[Visitor, Page]] = {}
         secure = options.certificate is not None
-        self._desk = Login(users or {}, self._visitors, audit, secure=secure)
+        self._login_form = Login(users or {}, self._visitors, audit, secure=secure)
         self._access = {
             "names": {options.host.strip("[]"), *options.names, *(LOOPBACK if options.is_local else ())},
             "visitors": self._visitors,
@@ -80,7 +80,7 @@ class Pages:
         app.add_static_files("/drawbar", str(_STATIC), max_cache_age=0)
         app.add_api_route("/login", self._form, methods=["GET"])
         app.add_api_route("/login", self._attempt, methods=["POST"])
-        app.add_api_route("/logout", self._desk.logout, methods=["GET"])
+        app.add_api_route("/logout", self._login_form.logout, methods=["GET"])
         app.add_api_route("/language/{language}", _choose_language, methods=["GET"])
         app.add_api_route("/report/{name}", self._report, methods=["GET"])
         app.add_api_route("/map/{name}", self._map, methods=["GET"])
@@ -158,10 +158,10 @@ class Pages:
         return visitor, words
 
     async def _form(self, request: Request) -> Response:
-        return self._desk.form(self._words(request))
+        return self._login_form.form(self._words(request))
 
     async def _attempt(self, request: Request) -> Response:
-        return await self._desk.attempt(request, self._words(request))
+        return await self._login_form.attempt(request, self._words(request))
 
     def _report(self, name: str) -> Response:
         return self._file_of_run(name, REPORT)

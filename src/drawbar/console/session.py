@@ -1,4 +1,4 @@
-"""Session: one browser at the gate's desk. With each request it states which picture it has drawn.
+"""Session: one browser that asks the gate for something. With each request it states which picture it has drawn.
 
 A browser acknowledges each picture that it has drawn. Only these words make the operator present for the gate, so that
 a browser that hangs, sleeps or is out of reach is not there, whatever its connection says. Pure: time is given.
@@ -10,7 +10,7 @@ from drawbar.console.token_bucket import TokenBucket
 from drawbar.driving.operator.requests import Operator
 from drawbar.messages import Action, GateState, OperatorMessage
 from drawbar.safety.causes import BY_CODE, Cause
-from drawbar.safety.desk import ALWAYS
+from drawbar.safety.operator_requests import ALWAYS
 
 PRESENT_PERIOD = 250_000_000
 """between two words to the gate that the operator is there, ns"""
