@@ -1,4 +1,4 @@
-"""Sensing errors, drawn in blocks of samples."""
+"""Sensor errors, drawn in blocks of samples."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from drawbar.machine.settings import SensorSettings
 _COLUMNS = {"tractor": slice(0, 2), "trailer": slice(2, 4), "both": slice(0, 4)}
 
 
-class Sensing:
+class SensorErrors:
     """The source of the sensors' additive errors and of the moments at which a receiver repeats itself."""
 
     def __init__(
