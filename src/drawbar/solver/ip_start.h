@@ -4,7 +4,7 @@
 #ifndef DRAWBAR_IP_START_H
 #define DRAWBAR_IP_START_H
 
-#include "apart.h"
+#include "noinline.h"
 #include "kkt.h"
 
 #define FAR_OUT 1e3                        /* times the largest bound: no start lies further out than that */
@@ -49,7 +49,7 @@ static void ip_leave_out(struct qp *restrict s, const struct interior_point *res
     }
 }
 
-static APART void ip_publish(struct qp *restrict s, const struct interior_point *restrict ip)
+static NOINLINE void ip_publish(struct qp *restrict s, const struct interior_point *restrict ip)
 {
     for (int i = 0; i < NB; ++i) {
         s->multiplier[2 * i] = ip->lambda[i];
@@ -133,7 +133,7 @@ static int ip_far_out(const struct qp *restrict s, double *restrict out, double 
 /* Where the cost is nearly flat its minimum without bounds lies so far out that nothing about it is a start. Draw all
  * bounded variables towards their bounds until the point is about as near as those are. Returns how near to a bound a start
  * may lie then, 0 on failure. */
-static SELDOM double ip_approach(struct qp *restrict s, struct interior_point *restrict ip)
+static COLD double ip_approach(struct qp *restrict s, struct interior_point *restrict ip)
 {
     double out[NX + NU] = {0.0}, span[NX + NU] = {0.0}, curve[NX + NU] = {0.0}, gradient[NZ];
 
@@ -165,7 +165,7 @@ static inline double ip_start_violation(double spare, double growth, double pair
 }
 
 /* Start from the solution without bounds, with every distance pushed well inside. */
-static SELDOM void ip_start(struct qp *restrict s, struct interior_point *restrict ip, double near)
+static COLD void ip_start(struct qp *restrict s, struct interior_point *restrict ip, double near)
 {
     double worst[NX + NU] = {0.0}, size[NX + NU] = {0.0}, curve[NX + NU] = {0.0}, flat = 0.0, room[NX + NU];
     const struct ip_damping damping = ip->damping;
