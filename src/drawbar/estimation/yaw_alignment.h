@@ -38,11 +38,11 @@ static inline double line_direction(const struct drawbar_estimate *estimate)
 }
 
 /* Bring the tractor's yaw up to now, without its mounting's error, in place; NaN where it is rejected. */
-static inline void align_yaw(struct yaw_sensor *sensor, const struct chain *chain, const struct sample_interval *interval,
+static inline void align_yaw(struct yaw_sensor *sensor, const struct chain *chain, const struct since *since,
                              struct drawbar_measurement *m)
 {
-    const double last = interval->last->tractor.yaw, now = interval->expected->tractor.yaw;
-    const double measured = brought_up(interval, m->tractor_yaw, m->tractor_attitude_age, last, now);
+    const double last = since->last->tractor.yaw, now = since->expected->tractor.yaw;
+    const double measured = brought_up(since, m->tractor_yaw, m->tractor_attitude_age, last, now);
 
     m->tractor_yaw = yaw_judged(sensor, measured, now, yaw_of_fixes(chain, m));
 }
@@ -50,21 +50,21 @@ static inline void align_yaw(struct yaw_sensor *sensor, const struct chain *chai
 /* Bring the tractor's yaw rate up to now, without the sensor's errors, in place; NaN where it is excluded. The departure of the
  * fixes' yaw from it is witnessed even then. */
 static inline void align_yaw_rate(struct yaw_rate_sensor *sensor, struct rate_history *rates, struct yaw_witness *witness,
-                                  const struct chain *chain, const struct sample_interval *interval, struct drawbar_measurement *m)
+                                  const struct chain *chain, const struct since *since, struct drawbar_measurement *m)
 {
-    const double now = wheels_yaw_rate(chain, interval->expected);
+    const double now = wheels_yaw_rate(chain, since->expected);
     const double age = m->tractor_attitude_age - fmin(sensor->latency, 0.0);
 
     if (!sensor->initialised)
         rate_history_begin(rates, now);
     const double measured = age > OLDEST
-        ? (double)NAN : rate_history_brought_up(rates, m->tractor_yaw_rate, age, interval->elapsed, now);
+        ? (double)NAN : rate_history_brought_up(rates, m->tractor_yaw_rate, age, since->elapsed, now);
     rate_history_record(rates, now);
-    const double turned = wrapped(line_direction(interval->expected) - line_direction(interval->last));
-    const struct yaw_reference reference = {yaw_of_fixes(chain, m), interval->elapsed > 0.0 ? turned / interval->elapsed : 0.0};
+    const double turned = wrapped(line_direction(since->expected) - line_direction(since->last));
+    const struct yaw_reference reference = {yaw_of_fixes(chain, m), since->elapsed > 0.0 ? turned / since->elapsed : 0.0};
 
-    yaw_witness_update(witness, reference.yaw, yaw_rate_corrected(sensor, measured), interval->elapsed);
-    m->tractor_yaw_rate = yaw_rate_judged(sensor, measured, now, &reference, interval->elapsed);
+    yaw_witness_update(witness, reference.yaw, yaw_rate_corrected(sensor, measured), since->elapsed);
+    m->tractor_yaw_rate = yaw_rate_judged(sensor, measured, now, &reference, since->elapsed);
 }
 
 #endif
