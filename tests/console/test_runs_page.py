@@ -266,6 +266,18 @@ def test_a_recorder_that_falls_silent_while_steering_is_an_event_once(tmp_path):
     assert told == [(0.0, words("ACTIVE")), (2.0, words.cause(Cause.NOT_RECORDING)[0])]
 
 
+def test_a_chosen_pass_is_an_event(tmp_path):
+    words = Words("en")
+    with (tmp_path / "log.mcap").open("wb") as stream:
+        writer = ChunkedWriter(stream, "")
+        channel = writer.add_channel("/operator", "json", 0)
+        data = msgspec.json.encode({"action": Action.LINE, "nonce": 1, "value": -2.0})
+        writer.add_message(channel, data, log_time=SECOND, publish_time=SECOND, sequence=0)
+        writer.finish()
+    told = [event.text for event in run_events(tmp_path / "log.mcap", words)]
+    assert told == [words("operator_pressed", what=words("pass_number")) + " -2"]
+
+
 @pytest.mark.parametrize("language", ["en", "de"])
 def test_a_notice_of_a_sensor_while_steering_is_an_event_with_advice(tmp_path, language):
     words, silent = Words(language), Cause.RECEIVER_SILENT
