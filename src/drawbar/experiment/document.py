@@ -155,7 +155,7 @@ def _judgement(measured: MeasuredExperiment) -> list[str]:
         [
             verdict.case,
             verdict.figure,
-            verdict.statistic.text(2),
+            verdict.found,
             str(verdict.expected),
             "yes" if verdict.holds else "**missed**",
         ]
