@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from drawbar.geometry import Floats
 from drawbar.machine.events import Event, GpsJump, GpsLoss
 from drawbar.machine.sensor_errors import SensorErrors
-from drawbar.machine.settings import SensorSettings
+from drawbar.machine.sensor_settings import SensorSettings
 
 TIMES = 0.2 * np.arange(5000.0)
 

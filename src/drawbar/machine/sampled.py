@@ -12,9 +12,10 @@ from drawbar.machine.command import accepted
 from drawbar.machine.history import History
 from drawbar.machine.physics.settings import PhysicsMachineSettings
 from drawbar.machine.plant import COMMANDS
-from drawbar.machine.settings import SimulatedMachineSettings, steps_per_sample, whole_steps
+from drawbar.machine.settings import SimulatedMachineSettings
 from drawbar.machine.simulated_sensors import SimulatedSensors
 from drawbar.machine.slide import Slide
+from drawbar.machine.steps import steps_per_sample, whole_steps
 from drawbar.signals import Command, Measurement, Pose
 from drawbar.vehicle.parameters import VehicleParameters
 

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from drawbar.geometry import Floats
 from drawbar.machine.events import Event, GpsJump, GpsLoss, active
 from drawbar.machine.random_processes import OrnsteinUhlenbeck
-from drawbar.machine.settings import SensorSettings
+from drawbar.machine.sensor_settings import SensorSettings
 
 _COLUMNS = {"tractor": slice(0, 2), "trailer": slice(2, 4), "both": slice(0, 4)}
 

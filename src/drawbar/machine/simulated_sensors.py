@@ -10,7 +10,7 @@ from drawbar.machine.events import Event
 from drawbar.machine.floating import Floating
 from drawbar.machine.history import BodyMoment, History
 from drawbar.machine.sensor_errors import SensorErrors
-from drawbar.machine.settings import (
+from drawbar.machine.sensor_settings import (
     AttitudeSensors,
     AttitudeSensorSettings,
     DelaySettings,
