@@ -69,7 +69,7 @@ class Machine:
         gate_end, controller_end = controller_pair()
         settings = SafetySettings.model_validate(CHANGES)
         order |= {
-            "port": self.wire.port, "controller": gate_end.fileno(), "desk": str(folder / "desk"),
+            "port": self.wire.port, "controller": gate_end.fileno(), "operators": str(folder / "operators"),
             "subscribers": [str(folder / "front"), str(folder / "guard")], "settings": CHANGES,
         }  # fmt: skip
         self.gate = self._start("gate_runner.py", gate_end, json.dumps(order))
@@ -116,7 +116,7 @@ class Machine:
 
     def send(self, message):
         with contextlib.suppress(OSError):  # a gate that is ending does not listen
-            self.front.sendto(encode(message), str(self.folder / "desk"))
+            self.front.sendto(encode(message), str(self.folder / "operators"))
 
     def come_to(self, state, seconds=20.0):
         end = time.monotonic() + seconds
@@ -288,7 +288,7 @@ def test_garbage_from_all_sides_neither_ends_it_nor_steers(machine):
         garbage = chance.randbytes(chance.randint(0, 300))
         while True:
             try:
-                driving.front.sendto(garbage, str(driving.folder / "desk"))
+                driving.front.sendto(garbage, str(driving.folder / "operators"))
                 break
             except BlockingIOError:  # a busy machine: the gate has not read what came before
                 time.sleep(0.001)
