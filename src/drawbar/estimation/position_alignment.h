@@ -114,7 +114,7 @@ static inline struct attitude attitude_then(struct position_alignment *positions
                                             double age, const struct drawbar_pose *pose)
 {
     struct attitude_track *track = &positions->tracks[body];
-    const double own = attitude_weight(track, since->now);
+    const double own = attitude_weight(track, since->now, since->elapsed);
     const double back = body == ALIGNED_TRAILER ? positions->to_axle : 0.0;
     const int follows = body == ALIGNED_TRAILER && attitude_is_new(&positions->tracks[ALIGNED_TRACTOR], since->now);
     struct attitude measured, recorded;
