@@ -99,7 +99,7 @@ static inline void move_swing(struct mast_swing *swing, const struct since *sinc
     const double corrected[] = {last->x - swing->expected[0], last->y - swing->expected[1]};
     const double expected[] = {now->x, now->y}, left = to_left(last->yaw, corrected);
 
-    if (swing->initialised && isfinite(left))
+    if (swing_begun(swing) && isfinite(left))
         swing_propagate(swing, expected, left, moved_since(since));
     else
         swing_begin(swing, expected);
