@@ -151,12 +151,12 @@ void UNIT(departure)(const struct component *alignment, double *departure)
 }
 
 /* Align a measurement; returns 0 or the status with which the run ends. last: the newest estimate; expected: the one that
- * is expected at the measurement's time, before it is taken in. */
+ * is expected at the measurement's time, before it is taken in; its own time is the model's, which time stamps need not keep. */
 int UNIT(apply)(struct component *alignment, const struct drawbar_measurement *measurement,
                 const struct drawbar_estimate *last, const struct drawbar_estimate *expected,
                 struct drawbar_measurement *aligned)
 {
-    const struct since since = {last, expected, measurement->time, measurement->time - last->time};
+    const struct since since = {last, expected, measurement->time, measurement->time - last->time, expected->time - last->time};
     struct position_alignment *const positions = &alignment->positions;
 
     *aligned = *measurement;

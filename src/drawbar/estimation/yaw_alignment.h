@@ -45,7 +45,7 @@ static inline void align_yaw(struct yaw_sensor *sensor, const struct chain *chai
     const double last = since->last->tractor.yaw, now = since->expected->tractor.yaw;
     const double measured = brought_up(since, m->tractor_yaw, m->tractor_attitude_age, last, now);
 
-    const double rate = since->elapsed > 0.0 ? (now - last) / since->elapsed : 0.0;
+    const double rate = since->predicted > 0.0 ? (now - last) / since->predicted : 0.0;
     const struct yaw_known known = {now, rate, yaw_of_fixes(chain, m), fix_latency};
 
     m->tractor_yaw = yaw_judged(sensor, measured, &known, since->elapsed);
@@ -62,10 +62,10 @@ static inline void align_yaw_rate(struct yaw_rate_sensor *sensor, struct rate_hi
     if (!yaw_rate_begun(sensor))
         rate_history_begin(rates, now);
     const double measured = age > OLDEST
-        ? (double)NAN : rate_history_brought_up(rates, m->tractor_yaw_rate, age, since->elapsed, now);
+        ? (double)NAN : rate_history_brought_up(rates, m->tractor_yaw_rate, age, since->predicted, now);
     rate_history_record(rates, now);
     const double turned = wrapped(line_direction(since->expected) - line_direction(since->last));
-    const struct yaw_reference reference = {yaw_of_fixes(chain, m), since->elapsed > 0.0 ? turned / since->elapsed : 0.0};
+    const struct yaw_reference reference = {yaw_of_fixes(chain, m), since->predicted > 0.0 ? turned / since->predicted : 0.0};
 
     yaw_witness_update(witness, reference.yaw, yaw_rate_corrected(sensor, measured), since->elapsed);
     m->tractor_yaw_rate = yaw_rate_judged(sensor, measured, now, &reference, since->elapsed);
