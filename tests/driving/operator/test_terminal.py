@@ -80,6 +80,16 @@ def test_of_a_silent_controller_only_that_is_said(heard):
     assert Cause.CORRECTIONS_OLD in refusals(dataclasses.replace(state, refusals=(*codes, 0)), None)
 
 
+@pytest.mark.parametrize("lacking", [Cause.RECEIVER_SILENT, Cause.RECEIVER_TIMES])
+def test_of_a_receiver_that_is_lacking_only_that_is_said(lacking):
+    follows = (Cause.OFF_LINE, Cause.FIX_LOST, Cause.FIX_TOO_NEW, Cause.CORRECTIONS_OLD, Cause.UNSOLVED)
+    codes = (*(cause.value for cause in follows), Cause.WIGGLE_UNTRIED.value, 0, 0)
+    state = dataclasses.replace(ready_gate(1), state=SupervisorState.STANDBY, refusals=codes)
+    heard = dataclasses.replace(controller_of(Status.OK), notices=(lacking.value, *[0] * 7))
+    assert refusals(state, heard) == [Cause.WIGGLE_UNTRIED]
+    assert set(follows) <= set(refusals(state, controller_of(Status.OK)))
+
+
 def test_the_display_says_why_a_key_was_refused():
     assert Cause.OUT_OF_RANGE.sentence in picture(None, None, Cause.OUT_OF_RANGE).plain
 
