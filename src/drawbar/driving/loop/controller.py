@@ -158,8 +158,9 @@ class Controller:
         record = self._autopilot.record()
         self._overruns += late
         self._solved = self._solved + 1 if self._status.is_new_command and not record.solver_failures else 0
-        if not self._status.has_ended:  # a run that has ended estimates nothing more
+        if not self._status.has_ended or self._record is None:
             self._record = record
+        if not self._status.has_ended:  # a run that has ended estimates nothing more
             if (change := self._faults.update(record, engaged=self.engaged)) is not None:
                 self._recompute(change)
             self._faults.update_notices(record)
