@@ -84,6 +84,11 @@ class Controller:
         """Whether the gate lets commands act."""
         return self._gate is not None and bool(self._gate.steers) and self._gate.state in _STEERED
 
+    @property
+    def ends(self) -> bool:
+        """Whether the newest command ends a run that the gate lets act."""
+        return self._mode() is Mode.STOP
+
     def receive_gate(self, state: GateState) -> None:
         """Take in what the gate does."""
         before, self._gate = self.engaged, state
