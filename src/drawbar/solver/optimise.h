@@ -128,7 +128,7 @@ static int qp_optimise(struct qp *s, struct lent *lent)
     } else if (!bounds_at_first(s) && qp_active(s, work))
         return SOLVED;
     s->factored = 0;                       /* the barrier changes it */
-    work->ip.damping.on = 0;
+    work->ip.damping.share = 0.0;
     return qp_interior_point(s, &work->ip, &lent->iterations);
 }
 
