@@ -147,7 +147,7 @@ class Bench:
         """changes of its command; None: it gives none"""
         self.follows = True
         """the controller's mode follows the gate's state"""
-        self.recorder, self.guard, self.operator, self.late = 1, True, True, 0.0
+        self.recorder, self.guard, self.operator, self.late = 1, 1, True, 0.0
 
     # what is sent
 
@@ -209,8 +209,10 @@ class Bench:
                 time=self.ns(), valid_until=self.ns(), role=Role.RECORDER, healthy=self.recorder, state=self.state
             )
             self.operators.waiting.append(encode(beat))
-        if self.guard:
-            beat = Heartbeat(time=self.ns(), valid_until=self.ns(), role=Role.GUARD, healthy=1, state=self.state)
+        if self.guard is not None:
+            beat = Heartbeat(
+                time=self.ns(), valid_until=self.ns(), role=Role.GUARD, healthy=self.guard, state=self.state
+            )
             self.operators.waiting.append(encode(beat))
         if self.operator:
             self.ask(Action.PRESENT)

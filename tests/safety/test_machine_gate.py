@@ -247,11 +247,12 @@ def test_the_guard_must_live():
     bench.ask(Action.ARM)
     bench.run(0.2)
     assert bench.state is SupervisorState.STANDBY
-    bench = driving()
-    bench.guard = None
-    bench.run(5.0)
-    assert bench.state is ACTIVE, "control goes on without it"
-    assert bench.shown.refusals[0] == Cause.NOT_GUARDED.value, "and the operator is told"
+    for guard in (None, 0):
+        bench = driving()
+        bench.guard = guard
+        bench.run(5.0)
+        assert bench.state is ACTIVE, "control goes on without it, and without the boards' sockets"
+        assert bench.shown.refusals[0] == Cause.NOT_GUARDED.value, "and the operator is told"
 
 
 def test_the_emergency_stop_must_have_been_tried():
