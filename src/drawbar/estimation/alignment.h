@@ -44,15 +44,15 @@ static inline double age_of_fix(const struct component *alignment, double report
 }
 
 /* Bring the values of all sensors but the receivers up to now, in place. */
-static inline void align_angles(const struct since *since, struct drawbar_measurement *m)
+static inline void align_angles(const struct sample_interval *interval, struct drawbar_measurement *m)
 {
-    const struct drawbar_estimate *last = since->last, *now = since->expected;
+    const struct drawbar_estimate *last = interval->last, *now = interval->expected;
 
-    m->hitch_angle = brought_up(since, m->hitch_angle, m->hitch_angle_age, last->hitch_angle, now->hitch_angle);
-    m->speed = brought_up(since, m->speed, m->speed_age, last->speed, now->speed);
-    m->tractor_steering = brought_up(since, m->tractor_steering, m->tractor_steering_age, last->tractor_steering,
+    m->hitch_angle = brought_up(interval, m->hitch_angle, m->hitch_angle_age, last->hitch_angle, now->hitch_angle);
+    m->speed = brought_up(interval, m->speed, m->speed_age, last->speed, now->speed);
+    m->tractor_steering = brought_up(interval, m->tractor_steering, m->tractor_steering_age, last->tractor_steering,
                                      now->tractor_steering);
-    m->trailer_steering = brought_up(since, m->trailer_steering, m->trailer_steering_age, last->trailer_steering,
+    m->trailer_steering = brought_up(interval, m->trailer_steering, m->trailer_steering_age, last->trailer_steering,
                                      now->trailer_steering);
 }
 
@@ -156,36 +156,37 @@ int UNIT(apply)(struct component *alignment, const struct drawbar_measurement *m
                 const struct drawbar_estimate *last, const struct drawbar_estimate *expected,
                 struct drawbar_measurement *aligned)
 {
-    const struct since since = {last, expected, measurement->time, measurement->time - last->time, expected->time - last->time};
+    const struct sample_interval interval = {
+        last, expected, measurement->time, measurement->time - last->time, expected->time - last->time};
     struct position_alignment *const positions = &alignment->positions;
 
     *aligned = *measurement;
     ages_of_now(aligned);
-    lean_watch_propagate(&positions->leans, moved_since(&since));
-    move_swing(&positions->leans.swings[ALIGNED_TRACTOR], &since, &last->tractor, &expected->tractor);
-    move_swing(&positions->leans.swings[ALIGNED_TRAILER], &since, &last->trailer, &expected->trailer);
-    take_attitude(positions, ALIGNED_TRACTOR, &since, aligned->tractor_attitude_age, &aligned->tractor_roll,
+    lean_watch_propagate(&positions->leans, moved_within(&interval));
+    move_swing(&positions->leans.swings[ALIGNED_TRACTOR], &interval, &last->tractor, &expected->tractor);
+    move_swing(&positions->leans.swings[ALIGNED_TRAILER], &interval, &last->trailer, &expected->trailer);
+    take_attitude(positions, ALIGNED_TRACTOR, &interval, aligned->tractor_attitude_age, &aligned->tractor_roll,
                   &aligned->tractor_pitch);
-    take_attitude(positions, ALIGNED_TRAILER, &since, aligned->trailer_attitude_age, &aligned->trailer_roll,
+    take_attitude(positions, ALIGNED_TRAILER, &interval, aligned->trailer_attitude_age, &aligned->trailer_roll,
                   &aligned->trailer_pitch);
-    record_ground(positions, &since);
+    record_ground(positions, &interval);
     double tractor[] = {aligned->tractor_x, aligned->tractor_y}, trailer[] = {aligned->trailer_x, aligned->trailer_y};
-    align_fix(positions, ALIGNED_TRACTOR, &since, age_of_fix(alignment, aligned->tractor_fix_age),
+    align_fix(positions, ALIGNED_TRACTOR, &interval, age_of_fix(alignment, aligned->tractor_fix_age),
               aligned->tractor_fix_deviation, tractor);
-    align_fix(positions, ALIGNED_TRAILER, &since, age_of_fix(alignment, aligned->trailer_fix_age),
+    align_fix(positions, ALIGNED_TRAILER, &interval, age_of_fix(alignment, aligned->trailer_fix_age),
               aligned->trailer_fix_deviation, trailer);
     aligned->tractor_x = tractor[0];
     aligned->tractor_y = tractor[1];
     aligned->trailer_x = trailer[0];
     aligned->trailer_y = trailer[1];
     judge_deviations(alignment, expected, aligned);
-    align_angles(&since, aligned);
-    align_yaw(&alignment->yaw, &alignment->chain, &since, fix_latency(alignment), aligned);
-    align_yaw_rate(&alignment->yaw_rate, &alignment->rates, &alignment->witness, &alignment->chain, &since,
+    align_angles(&interval, aligned);
+    align_yaw(&alignment->yaw, &alignment->chain, &interval, fix_latency(alignment), aligned);
+    align_yaw_rate(&alignment->yaw_rate, &alignment->rates, &alignment->witness, &alignment->chain, &interval,
                    aligned);
-    const int present[] = {attitude_is_new(&positions->tracks[ALIGNED_TRACTOR], since.now),
-                           attitude_is_new(&positions->tracks[ALIGNED_TRAILER], since.now)};
-    return lean_watch_judge(&positions->leans, present, since.elapsed);
+    const int present[] = {attitude_is_new(&positions->tracks[ALIGNED_TRACTOR], interval.now),
+                           attitude_is_new(&positions->tracks[ALIGNED_TRAILER], interval.now)};
+    return lean_watch_judge(&positions->leans, present, interval.elapsed);
 }
 
 #endif

@@ -11,7 +11,7 @@
 #define OLDEST 1.0                         /* what is older is missing, s */
 
 /* One sample of alignment: what was estimated last, and what is expected now. */
-struct since {
+struct sample_interval {
     const struct drawbar_estimate *last, *expected;
     time_stamp now;
     double elapsed;                        /* by the time stamps, s */
@@ -19,17 +19,17 @@ struct since {
 };
 
 /* Where something that is `then` (0) and `now` (1) was at an age (s). */
-static inline double at_age(const struct since *since, double age, double then, double now)
+static inline double at_age(const struct sample_interval *interval, double age, double then, double now)
 {
-    return age > 0.0 && since->predicted > 0.0 ? now - age / since->predicted * (now - then) : now;
+    return age > 0.0 && interval->predicted > 0.0 ? now - age / interval->predicted * (now - then) : now;
 }
 
 /* Where a body was at an age (s) that was at `then` a sample ago and is at `now`: back along the arc through both. Its chord over
  * several samples has another direction than that over one. */
-static inline struct drawbar_pose pose_at_age(const struct since *since, double age, const struct drawbar_pose *then,
+static inline struct drawbar_pose pose_at_age(const struct sample_interval *interval, double age, const struct drawbar_pose *then,
                                               const struct drawbar_pose *now)
 {
-    const double samples = age > 0.0 && since->predicted > 0.0 ? age / since->predicted : 0.0;
+    const double samples = age > 0.0 && interval->predicted > 0.0 ? age / interval->predicted : 0.0;
     const double turned = now->yaw - then->yaw, chord = -0.5 * (samples - 1.0) * turned;
     const double east = now->x - then->x, north = now->y - then->y;
 
@@ -38,18 +38,18 @@ static inline struct drawbar_pose pose_at_age(const struct since *since, double 
 }
 
 /* How far the vehicle has moved, m. */
-static inline double moved_since(const struct since *since)
+static inline double moved_within(const struct sample_interval *interval)
 {
-    const double moved = fabs(since->expected->speed) * since->elapsed;
+    const double moved = fabs(interval->expected->speed) * interval->elapsed;
     return isfinite(moved) ? moved : 0.0;
 }
 
 /* What a sensor would report now that reported `value` at an age (s): as its quantity changes from last to expected. */
-static inline double brought_up(const struct since *since, double value, double age, double last, double expected)
+static inline double brought_up(const struct sample_interval *interval, double value, double age, double last, double expected)
 {
     if (age == 0.0 || isnan(age))
         return value;
-    return age > 0.0 && age <= OLDEST ? value + expected - at_age(since, age, last, expected) : (double)NAN;
+    return age > 0.0 && age <= OLDEST ? value + expected - at_age(interval, age, last, expected) : (double)NAN;
 }
 
 #endif

@@ -93,8 +93,8 @@ static inline void swing_propagate(struct mast_swing *swing, const double *expec
     memcpy(swing->expected, expected, sizeof swing->expected);
 }
 
-/* Update a filter with a lateral position and the one that the roll implies, m; noise: standard deviation, m. Returns the normalised
- * innovation squared, clipped; where it is, the offset is another one. */
+/* Update a filter with a lateral position and the one that the roll implies, m; noise: standard deviation, m. Returns the
+ * normalised innovation squared, clipped; where it is, the offset is another one. */
 static inline double swing_filter_update(struct swing_filter *filter, double lateral, double by_roll, double noise)
 {
     double gain[SWING_STATES], variance = noise * noise;

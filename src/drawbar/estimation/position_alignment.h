@@ -51,39 +51,39 @@ static inline struct roll_zero roll_zero(const struct position_alignment *positi
 
 /* Record roll and pitch of a body's sensor, and correct them in place by the stated offsets and the estimated zero; NaN where
  * they are too old. */
-static inline void take_attitude(struct position_alignment *positions, int body, const struct since *since, double age,
+static inline void take_attitude(struct position_alignment *positions, int body, const struct sample_interval *interval, double age,
                                  double *roll_now, double *pitch_now)
 {
     const struct mast *mast = &positions->masts[body];
     const double roll = *roll_now - mast->roll_offset, pitch = *pitch_now - mast->pitch_offset;
-    const double last = body_pose(since->last, body)->yaw;
-    const double now = body_pose(since->expected, body)->yaw;
+    const double last = body_pose(interval->last, body)->yaw;
+    const double now = body_pose(interval->expected, body)->yaw;
 
     const double zero = roll_zero_correction(roll_zero(positions, body));
-    if (attitude_record(&positions->tracks[body], since->now, age, roll - zero, pitch))
-        lean_watch_attitude(&positions->leans, body, at_age(since, age, last, now), roll, pitch, since->elapsed);
+    if (attitude_record(&positions->tracks[body], interval->now, age, roll - zero, pitch))
+        lean_watch_attitude(&positions->leans, body, at_age(interval, age, last, now), roll, pitch, interval->elapsed);
     const struct attitude_track *track = &positions->tracks[body];
-    const int stands = attitude_is_new(track, since->now);
+    const int stands = attitude_is_new(track, interval->now);
     *roll_now = stands ? track->roll[track->count - 1] : (double)NAN;
     *pitch_now = stands ? track->pitch[track->count - 1] : (double)NAN;
 }
 
 /* Record the ground's slope below the tractor, or else below the trailer, by its newest attitude. */
-static inline void record_ground(struct position_alignment *positions, const struct since *since)
+static inline void record_ground(struct position_alignment *positions, const struct sample_interval *interval)
 {
-    const int body = attitude_is_new(&positions->tracks[ALIGNED_TRACTOR], since->now) ? ALIGNED_TRACTOR : ALIGNED_TRAILER;
+    const int body = attitude_is_new(&positions->tracks[ALIGNED_TRACTOR], interval->now) ? ALIGNED_TRACTOR : ALIGNED_TRAILER;
     const struct attitude_track *track = &positions->tracks[body];
-    const struct drawbar_pose *last = body_pose(since->last, body);
-    const struct drawbar_pose *now = body_pose(since->expected, body);
+    const struct drawbar_pose *last = body_pose(interval->last, body);
+    const struct drawbar_pose *now = body_pose(interval->expected, body);
     double slope[2];
 
-    if (!attitude_is_new(track, since->now))
+    if (!attitude_is_new(track, interval->now))
         return;
-    const double age = since->now - track->time[track->count - 1], yaw = at_age(since, age, last->yaw, now->yaw);
+    const double age = interval->now - track->time[track->count - 1], yaw = at_age(interval, age, last->yaw, now->yaw);
     const double back = body == ALIGNED_TRAILER ? positions->to_axle : 0.0;
     slope_below(yaw, track->roll[track->count - 1], track->pitch[track->count - 1], slope);
-    ground_record_slope(&positions->ground, at_age(since, age, last->x, now->x) - back * cos(yaw),
-                        at_age(since, age, last->y, now->y) - back * sin(yaw), slope);
+    ground_record_slope(&positions->ground, at_age(interval, age, last->x, now->x) - back * cos(yaw),
+                        at_age(interval, age, last->y, now->y) - back * sin(yaw), slope);
 }
 
 /* The component of a displacement (m) to the left of a heading (rad), m. */
@@ -93,14 +93,14 @@ static inline double to_left(double yaw, const double *displacement)
 }
 
 /* Propagate the swing of a body's antenna to its next expected ground point. */
-static inline void move_swing(struct mast_swing *swing, const struct since *since, const struct drawbar_pose *last,
+static inline void move_swing(struct mast_swing *swing, const struct sample_interval *interval, const struct drawbar_pose *last,
                               const struct drawbar_pose *now)
 {
     const double corrected[] = {last->x - swing->expected[0], last->y - swing->expected[1]};
     const double expected[] = {now->x, now->y}, left = to_left(last->yaw, corrected);
 
     if (swing_begun(swing) && isfinite(left))
-        swing_propagate(swing, expected, left, moved_since(since));
+        swing_propagate(swing, expected, left, moved_within(interval));
     else
         swing_begin(swing, expected);
 }
@@ -110,57 +110,57 @@ struct attitude {
 };
 
 /* The attitude of a body at an age (s), at which it was at a pose: by its own sensor, else by the recorded ground. */
-static inline struct attitude attitude_then(struct position_alignment *positions, int body, const struct since *since,
+static inline struct attitude attitude_then(struct position_alignment *positions, int body, const struct sample_interval *interval,
                                             double age, const struct drawbar_pose *pose)
 {
     struct attitude_track *track = &positions->tracks[body];
-    const double own = attitude_weight(track, since->now, since->elapsed);
+    const double own = attitude_weight(track, interval->now, interval->elapsed);
     const double back = body == ALIGNED_TRAILER ? positions->to_axle : 0.0;
-    const int follows = body == ALIGNED_TRAILER && attitude_is_new(&positions->tracks[ALIGNED_TRACTOR], since->now);
+    const int follows = body == ALIGNED_TRAILER && attitude_is_new(&positions->tracks[ALIGNED_TRACTOR], interval->now);
     struct attitude measured, recorded;
     double slope[2];
 
-    attitude_at(track, since->now - age, &measured.roll, &measured.pitch);
+    attitude_at(track, interval->now - age, &measured.roll, &measured.pitch);
     ground_slope(&positions->ground, pose->x - back * cos(pose->yaw), pose->y - back * sin(pose->yaw), follows,
-                 since->elapsed, &positions->local[body], slope);
+                 interval->elapsed, &positions->local[body], slope);
     lean_on(slope, pose->yaw, &recorded.roll, &recorded.pitch);
     return (struct attitude){recorded.roll + own * (measured.roll - recorded.roll),
                              recorded.pitch + own * (measured.pitch - recorded.pitch)};
 }
 
 /* Update the antenna's swing with where it is (m) and its body's roll. deviation: of the fix, as reported, m. */
-static inline void watch_swing(struct position_alignment *positions, int body, const struct since *since, double age,
+static inline void watch_swing(struct position_alignment *positions, int body, const struct sample_interval *interval, double age,
                                double deviation, const double *antenna)
 {
-    const struct drawbar_pose *now = body_pose(since->expected, body);
+    const struct drawbar_pose *now = body_pose(interval->expected, body);
     const struct mast *mast = &positions->masts[body];
     const struct attitude_track *track = &positions->tracks[body];
     const double from_ground[] = {antenna[0] - now->x, antenna[1] - now->y};
     const double noise = isnan(deviation) ? positions->fix_deviation : deviation;
     double roll, pitch;
 
-    if (!attitude_is_new(track, since->now))
+    if (!attitude_is_new(track, interval->now))
         return;
-    attitude_at(track, since->now - age, &roll, &pitch);
+    attitude_at(track, interval->now - age, &roll, &pitch);
     swing_update(&positions->leans.swings[body], to_left(now->yaw, from_ground) - mast->left * cos(roll), -mast->up * sin(roll),
-                 noise, !lean_is_constant(&positions->leans.constant[body]), since->elapsed);
+                 noise, !lean_is_constant(&positions->leans.constant[body]), interval->elapsed);
 }
 
 /* Align one body's fix in place; NaN where it is too old or none. deviation: of the fix, as reported, m. */
-static inline void align_fix(struct position_alignment *positions, int body, const struct since *since, double age,
+static inline void align_fix(struct position_alignment *positions, int body, const struct sample_interval *interval, double age,
                              double deviation, double *fix)
 {
-    const struct drawbar_pose *last = body_pose(since->last, body);
-    const struct drawbar_pose *now = body_pose(since->expected, body);
+    const struct drawbar_pose *last = body_pose(interval->last, body);
+    const struct drawbar_pose *now = body_pose(interval->expected, body);
     const struct mast *mast = &positions->masts[body];
     struct reported_fix *known = &positions->fixes[body];
     const double reported[] = {fix[0], fix[1]};
     const int has_mast = !mast_is_none(mast);
     struct attitude attitude = {0.0, 0.0};
     double arm[2] = {0.0, 0.0};
-    const struct drawbar_pose then = pose_at_age(since, age, last, now);
+    const struct drawbar_pose then = pose_at_age(interval, age, last, now);
     if (has_mast)
-        attitude = attitude_then(positions, body, since, age, &then);
+        attitude = attitude_then(positions, body, interval, age, &then);
     if (isnan(age)) {
         fix[0] = fix[1] = (double)NAN;
         return;
@@ -180,7 +180,7 @@ static inline void align_fix(struct position_alignment *positions, int body, con
     }
     if (has_mast) {
         const double antenna[] = {fix[0] + arm[0], fix[1] + arm[1]};
-        watch_swing(positions, body, since, age, deviation, antenna);
+        watch_swing(positions, body, interval, age, deviation, antenna);
     }
     memcpy(known->reported, reported, sizeof reported);
     memcpy(known->aligned, fix, sizeof known->aligned);

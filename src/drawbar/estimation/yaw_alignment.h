@@ -39,36 +39,36 @@ static inline double line_direction(const struct drawbar_estimate *estimate)
 
 /* Bring the tractor's yaw up to now, without its sensor's errors, in place; NaN where it is rejected. fix_latency: that fixes
  * are corrected for, s. */
-static inline void align_yaw(struct yaw_sensor *sensor, const struct chain *chain, const struct since *since,
+static inline void align_yaw(struct yaw_sensor *sensor, const struct chain *chain, const struct sample_interval *interval,
                              double fix_latency, struct drawbar_measurement *m)
 {
-    const double last = since->last->tractor.yaw, now = since->expected->tractor.yaw;
-    const double measured = brought_up(since, m->tractor_yaw, m->tractor_attitude_age, last, now);
+    const double last = interval->last->tractor.yaw, now = interval->expected->tractor.yaw;
+    const double measured = brought_up(interval, m->tractor_yaw, m->tractor_attitude_age, last, now);
 
-    const double rate = since->predicted > 0.0 ? (now - last) / since->predicted : 0.0;
+    const double rate = interval->predicted > 0.0 ? (now - last) / interval->predicted : 0.0;
     const struct yaw_known known = {now, rate, yaw_of_fixes(chain, m), fix_latency};
 
-    m->tractor_yaw = yaw_judged(sensor, measured, &known, since->elapsed);
+    m->tractor_yaw = yaw_judged(sensor, measured, &known, interval->elapsed);
 }
 
 /* Bring the tractor's yaw rate up to now, without the sensor's errors, in place; NaN where it is excluded. The departure of the
  * fixes' yaw from it is witnessed even then. */
 static inline void align_yaw_rate(struct yaw_rate_sensor *sensor, struct rate_history *rates, struct yaw_witness *witness,
-                                  const struct chain *chain, const struct since *since, struct drawbar_measurement *m)
+                                  const struct chain *chain, const struct sample_interval *interval, struct drawbar_measurement *m)
 {
-    const double now = wheels_yaw_rate(chain, since->expected);
+    const double now = wheels_yaw_rate(chain, interval->expected);
     const double age = m->tractor_attitude_age - fmin(sensor->latency, 0.0);
 
     if (!yaw_rate_begun(sensor))
         rate_history_begin(rates, now);
     const double measured = age > OLDEST
-        ? (double)NAN : rate_history_brought_up(rates, m->tractor_yaw_rate, age, since->predicted, now);
+        ? (double)NAN : rate_history_brought_up(rates, m->tractor_yaw_rate, age, interval->predicted, now);
     rate_history_record(rates, now);
-    const double turned = wrapped(line_direction(since->expected) - line_direction(since->last));
-    const struct yaw_reference reference = {yaw_of_fixes(chain, m), since->predicted > 0.0 ? turned / since->predicted : 0.0};
+    const double turned = wrapped(line_direction(interval->expected) - line_direction(interval->last));
+    const struct yaw_reference reference = {yaw_of_fixes(chain, m), interval->predicted > 0.0 ? turned / interval->predicted : 0.0};
 
-    yaw_witness_update(witness, reference.yaw, yaw_rate_corrected(sensor, measured), since->elapsed);
-    m->tractor_yaw_rate = yaw_rate_judged(sensor, measured, now, &reference, since->elapsed);
+    yaw_witness_update(witness, reference.yaw, yaw_rate_corrected(sensor, measured), interval->elapsed);
+    m->tractor_yaw_rate = yaw_rate_judged(sensor, measured, now, &reference, interval->elapsed);
 }
 
 #endif
