@@ -77,6 +77,15 @@ def test_values_of_any_age_are_brought_to_now() -> None:
         assert (aligned.tractor_steering, aligned.hitch_angle) == pytest.approx((0.0, 0.3), abs=1e-12)
 
 
+@pytest.mark.parametrize("early", [-0.08, 0.08])
+def test_a_late_fix_moves_by_the_models_time_whatever_the_time_stamps(early: float) -> None:
+    then, now = straight(0.8), straight(1.2)
+    fixes = (then.tractor.x, then.tractor.y, then.trailer.x, then.trailer.y)
+    late = measurement(1.2 - early, fixes, tractor_fix_age=0.4, trailer_fix_age=0.4)
+    aligned = Alignment(VehicleParameters()).apply(late, straight(1.0), now)
+    assert (aligned.tractor_x, aligned.trailer_x) == pytest.approx((now.tractor.x, now.trailer.x), abs=1e-12)
+
+
 @pytest.mark.parametrize("age", [0.1, 0.2, 0.5, 0.95])
 def test_a_late_fix_of_a_curve_is_brought_to_now(age: float) -> None:
     speed, rate = 2.5, 0.3

@@ -1,7 +1,7 @@
 """A roll sensor that is mounted askew is found while driving, as far as turns on slopes show it."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import count
 
 import numpy as np
@@ -38,10 +38,33 @@ def laps(straight: float, turn: float) -> Iterator[float]:
         yield math.pi * (2.0 * lap + half + max(way - straight, 0.0) / turn)
 
 
+def eight(radius: float) -> Iterator[float]:
+    """Yield the yaws of a figure-eight that begins at its crossing, heading east, to the left first."""
+    arc = 1.5 * math.pi
+    for number in count():
+        way = STEP * number / radius  # in radii: a straight of 1, an arc, a straight of 2, an arc, a straight
+        yield min(max(way - 1.0, 0.0), arc) - min(max(way - 3.0 - arc, 0.0), arc)
+
+
+def plane(_: float) -> float:
+    return 1.0
+
+
+def hill(x: float) -> float:
+    """Return by which share of its slope ground falls so far east, m: the other way on both sides of its ridge."""
+    return math.tanh((x - 10.0) / 5.0)
+
+
 def driven(
-    deviation: float, yaws: Iterator[float], lean: Floats, samples: int
+    deviation: float,
+    yaws: Iterator[float],
+    lean: Floats,
+    samples: int,
+    ground_falls: Callable[[float], float] = plane,
 ) -> tuple[Actuation, float, list[Measurement]]:
     """Drive a tractor whose sensor shows lean = (slope to the south, roll on all headings), rad.
+
+    The slope is so many times as steep at a place, by how far east that is, m.
 
     Returns what is told at the end, what was taken off the last roll, rad, and all measurements.
     """
@@ -50,6 +73,7 @@ def driven(
     for number in range(samples):
         yaw = next(yaws)
         x, y = x + STEP * math.cos(yaw), y + STEP * math.sin(yaw)
+        slope = ground_falls(x) * lean[0]
         now = [Pose(x=x - back * math.cos(yaw), y=y - back * math.sin(yaw), yaw=yaw) for back in (0.0, 2.15)]
         m = measured(
             now[0].x,
@@ -58,8 +82,8 @@ def driven(
             now[1].y,
             time=0.2 * number,
             speed=STEP / 0.2,
-            tractor_roll=lean[0] * math.cos(yaw) + lean[1] + rng.normal(0.0, 1e-4),  # else it is stuck
-            tractor_pitch=lean[0] * math.sin(yaw),
+            tractor_roll=slope * math.cos(yaw) + lean[1] + rng.normal(0.0, 1e-4),  # else it is stuck
+            tractor_pitch=slope * math.sin(yaw),
         )
         if before is not None:
             past = believed(*before, time=m.time - 0.2, speed=m.speed)
@@ -111,6 +135,16 @@ def test_on_one_heading_a_slope_is_no_offset() -> None:
     assert abs(told.tractor_roll_offset) < 0.1 * DEGREE
     assert told.tractor_roll_deviation > 0.9 * 0.7 * DEGREE
     assert off == pytest.approx(0.0, abs=1e-9)
+
+
+def test_ground_whose_slope_changes_is_no_offset() -> None:
+    """A figure-eight across a ridge, with a sensor that is not askew."""
+    taken = [
+        driven(0.7 * DEGREE, eight(20.0), np.array([6.0, 0.0]) * DEGREE, samples, hill)[1] / DEGREE
+        for samples in (200, 300, 400, 540)
+    ]
+    print("\non a hill taken off: " + ", ".join(f"{off:.2f}" for off in taken) + " degrees")
+    assert np.abs(taken).max() < 0.5
 
 
 def test_an_offset_that_is_exact_is_left_as_it_is() -> None:

@@ -25,14 +25,15 @@ UNIT = """
 #include "unit.h"
 struct component { struct yaw_sensor sensor; double judged; };
 #define COMPONENT_FIELDS FIELD(component, judged, 0, 1, 0, 0) FIELD(component, sensor.error, 0, 1, 0, 0) \\
-    SETTING(component, sensor.gate, 0, 1, 0, 0)
-int UNIT(judged)(struct component *component, double measured, double expected, double reference)
+    FIELD(component, sensor.latency, 0, 1, 0, 0) SETTING(component, sensor.gate, 0, 1, 0, 0)
+int UNIT(judged)(struct component *component, double measured, const struct yaw_known *known, double elapsed)
 {
-    component->judged = yaw_judged(&component->sensor, measured, expected, reference);
+    component->judged = yaw_judged(&component->sensor, measured, known, elapsed);
     return 0;
 }
 """
 PRESENT = "machine.attitude.yaw.present=true"
+SAMPLE = 0.2
 ALONE = 'machine.events=[{kind="gps_loss",start=0.0,duration=1e6,antenna="trailer"}]'
 """no receiver on the trailer"""
 
@@ -44,13 +45,20 @@ class Sensor(Alone):
         settings = {"sensor.gate": YAW_GATE}
         super().__init__(Unit(name="yaw", source=UNIT, configure=lambda workspace: workspace.write(settings)))
 
-    def judged(self, told: float, expected: float, shown: float = math.nan) -> float:
-        self.call("judged", Real(told), Real(expected), Real(shown))
+    def judged(
+        self, told: float, expected: float, shown: float = math.nan, *, rate: float = 0.0, fix_latency: float = 0.0
+    ) -> float:
+        known = (Real * 4)(expected, rate, shown, fix_latency)
+        self.call("judged", Real(told), known, Real(SAMPLE))
         return float(self.live.array("judged").item())
 
     @property
     def error(self) -> float:
         return float(self.live.array("sensor.error").item())
+
+    @property
+    def latency(self) -> float:
+        return float(self.live.array("sensor.latency").item())
 
 
 @pytest.mark.parametrize("turns", [-3, 0, 2])
@@ -71,6 +79,25 @@ def test_the_mountings_error_is_found_where_both_bodies_have_fixes() -> None:
         answer = sensor.judged(wrap(yaw + off), yaw, shown)
     assert sensor.error == pytest.approx(-off, abs=math.radians(0.3))
     assert answer == pytest.approx(yaw, abs=math.radians(0.3))
+
+
+@pytest.mark.parametrize(("yaw_late", "fixes_late", "corrected"), [(0.2, 0.0, 0.0), (0.0, 0.2, 0.0), (0.3, 0.2, 0.2)])
+def test_an_unreported_age_is_found_beside_the_mountings_error(
+    yaw_late: float, fixes_late: float, corrected: float
+) -> None:
+    """A weaving tractor, the yaw of its sensor off by 1 degree; the corrected yaw is as late as the fixes are."""
+    rng, sensor, off = np.random.default_rng(7), Sensor(), math.radians(1.0)
+
+    def yaw(time: float) -> float:
+        return math.cos(0.3 * time)
+
+    for time in np.arange(0.0, 60.0, SAMPLE).tolist():
+        rate = -0.3 * math.sin(0.3 * time)
+        told, shown = yaw(time - yaw_late) + off, yaw(time - fixes_late + corrected) + rng.normal(0.0, 0.026)
+        answer = sensor.judged(told, yaw(time), shown, rate=rate, fix_latency=corrected)
+    assert sensor.latency == pytest.approx(yaw_late - fixes_late, abs=0.03)
+    assert sensor.error == pytest.approx(-off, abs=math.radians(0.3))
+    assert answer == pytest.approx(yaw(time - fixes_late + corrected), abs=math.radians(0.5))
 
 
 def test_without_a_reference_the_measured_yaw_counts() -> None:
@@ -113,6 +140,20 @@ def test_a_measured_yaw_brings_the_tractor_nearer_with_less_steering() -> None:
 
 def test_the_mountings_error_costs_nothing_where_both_bodies_have_receivers() -> None:
     assert mean_of(PRESENT, "machine.attitude.yaw.bias=0.03") == pytest.approx(mean_of(PRESENT), rel=0.1)
+
+
+FAST = ("speed=2.0", PRESENT)
+
+
+LATE = "machine.delays={%s={latency=0.2},reported=false}"
+
+
+@pytest.mark.parametrize("late", ["attitude", "fix"])
+def test_a_yaw_of_another_age_than_the_fixes_costs_little(late: str) -> None:
+    """Uncorrected, the tractor has 6 and 7 cm."""
+    delayed = mean_of(*FAST, LATE % late)
+    assert delayed[0] < mean_of(*FAST)[0] + 2.0
+    assert delayed[1] < mean_of(*FAST)[1] + 1.0
 
 
 def test_one_receiver_with_two_antennas_drives_both_bodies() -> None:
@@ -159,5 +200,8 @@ if __name__ == "__main__":
         "a receiver on each body": (),
         "with two antennas on the tractor": (PRESENT,),
         "that receiver alone": (PRESENT, ALONE),
+        "two antennas, 2 m/s": FAST,
+        "the same, their yaw 0.2 s late, unreported": (*FAST, LATE % "attitude"),
+        "the same, the fixes 0.2 s late, unreported": (*FAST, LATE % "fix"),
     }.items():
         print("| " + " | ".join([kind, *(f"{each:.1f}" for each in mean_of(*changes))]) + " |")

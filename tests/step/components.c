@@ -88,8 +88,10 @@ int drawbar_alignment_apply(struct component *component, const struct drawbar_me
                             const struct drawbar_estimate *last, const struct drawbar_estimate *expected,
                             struct drawbar_measurement *aligned)
 {
+    const double ahead = expected->time - measurement->time;
+
     (void)component;
-    called(expected->time == 7.0 && last->time <= measurement->time ? 'M' : '?');
+    called(expected->speed == 7.0 && last->time <= measurement->time && fabs(ahead) < 0.25 ? 'M' : '?');
     *aligned = *measurement;
     return 0;
 }
@@ -98,7 +100,7 @@ int drawbar_estimator_expected(struct component *component, struct drawbar_estim
 {
     (void)component;
     memset(estimate, 0, sizeof *estimate);
-    estimate->time = 7.0;
+    estimate->speed = 7.0;
     return 0;
 }
 

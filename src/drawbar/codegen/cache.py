@@ -17,8 +17,8 @@ from pathlib import Path
 
 from platformdirs import user_cache_path
 
+from drawbar.codegen.cache_integrity import demand_own_folder, describe, is_whole, note_of
 from drawbar.codegen.compiler import FLAGS, compiler_identity, environment, find_compiler, library_flags
-from drawbar.codegen.keeping import demand_own_folder, describe, is_whole, note_of
 from drawbar.errors import CompilerError
 
 _SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")

@@ -30,11 +30,16 @@ struct component {
     SETTING(component, yaw.gate, 0, 1, 0, 0)                                                                           \
     FIELD(component, yaw.error, 0, 1, 0, 0) FIELD(component, yaw_rate.exclusion, 0, 1, 0, 0)
 
+/* The estimated latency of fixes beyond their age, s. */
+static inline double fix_latency(const struct component *alignment)
+{
+    return fmax(alignment->yaw_rate.latency, 0.0);
+}
+
 /* The age of a fix, s, with the estimated latency; NaN: too old, or of the future. */
 static inline double age_of_fix(const struct component *alignment, double reported)
 {
-    const double age = (reported == 0.0 || isnan(reported) ? alignment->fix_age : reported)
-        + fmax(alignment->yaw_rate.latency, 0.0);
+    const double age = (reported == 0.0 || isnan(reported) ? alignment->fix_age : reported) + fix_latency(alignment);
     return age >= 0.0 && age <= OLDEST ? age : (double)NAN;
 }
 
@@ -132,7 +137,7 @@ void UNIT(report)(const struct component *alignment, struct drawbar_actuation *f
     const struct roll_zero tractor = roll_zero(&alignment->positions, ALIGNED_TRACTOR);
     const struct roll_zero trailer = roll_zero(&alignment->positions, ALIGNED_TRAILER);
 
-    found->fix_latency = fmax(alignment->yaw_rate.latency, 0.0);
+    found->fix_latency = fix_latency(alignment);
     found->tractor_roll_offset = tractor.value;
     found->tractor_roll_deviation = tractor.deviation;
     found->trailer_roll_offset = trailer.value;
@@ -146,12 +151,12 @@ void UNIT(departure)(const struct component *alignment, double *departure)
 }
 
 /* Align a measurement; returns 0 or the status with which the run ends. last: the newest estimate; expected: the one that
- * is expected at the measurement's time, before it is taken in. */
+ * is expected at the measurement's time, before it is taken in; its own time is the model's, which time stamps need not keep. */
 int UNIT(apply)(struct component *alignment, const struct drawbar_measurement *measurement,
                 const struct drawbar_estimate *last, const struct drawbar_estimate *expected,
                 struct drawbar_measurement *aligned)
 {
-    const struct since since = {last, expected, measurement->time, measurement->time - last->time};
+    const struct since since = {last, expected, measurement->time, measurement->time - last->time, expected->time - last->time};
     struct position_alignment *const positions = &alignment->positions;
 
     *aligned = *measurement;
@@ -175,7 +180,7 @@ int UNIT(apply)(struct component *alignment, const struct drawbar_measurement *m
     aligned->trailer_y = trailer[1];
     judge_deviations(alignment, expected, aligned);
     align_angles(&since, aligned);
-    align_yaw(&alignment->yaw, &alignment->chain, &since, aligned);
+    align_yaw(&alignment->yaw, &alignment->chain, &since, fix_latency(alignment), aligned);
     align_yaw_rate(&alignment->yaw_rate, &alignment->rates, &alignment->witness, &alignment->chain, &since,
                    aligned);
     const int present[] = {attitude_is_new(&positions->tracks[ALIGNED_TRACTOR], since.now),

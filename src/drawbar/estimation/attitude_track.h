@@ -19,7 +19,6 @@ struct attitude_track {
     time_stamp time[ATTITUDES];            /* oldest first */
     double roll[ATTITUDES], pitch[ATTITUDES];   /* rad */
     double weight;                         /* of the correction, 0 .. 1 */
-    time_stamp weighted_at;                /* when that was last updated */
     int32_t count, initialised;
 };
 
@@ -68,15 +67,13 @@ static inline int attitude_is_new(const struct attitude_track *track, time_stamp
     return track->count > 0 && now - track->time[track->count - 1] <= OLDEST_ATTITUDE;
 }
 
-/* The weight of the correction by this track now (s); to be called once in each sample. */
-static inline double attitude_weight(struct attitude_track *track, time_stamp now)
+/* The weight of the correction by this track now (s), so long (s) after the last sample; to be called once in each sample. */
+static inline double attitude_weight(struct attitude_track *track, time_stamp now, double elapsed)
 {
-    const double target = attitude_is_new(track, now) ? 1.0 : 0.0;
-    const double passed = now - track->weighted_at, change = passed / FADE;
+    const double target = attitude_is_new(track, now) ? 1.0 : 0.0, change = elapsed / FADE;
 
     track->weight = track->initialised ? track->weight + clamped(target - track->weight, -change, change) : target;
     track->initialised = 1;
-    track->weighted_at = now;
     return track->weight;
 }
 

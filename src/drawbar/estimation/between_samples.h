@@ -14,13 +14,14 @@
 struct since {
     const struct drawbar_estimate *last, *expected;
     time_stamp now;
-    double elapsed;                        /* s */
+    double elapsed;                        /* by the time stamps, s */
+    double predicted;                      /* over which the model went from the last to the expected estimate, s */
 };
 
 /* Where something that is `then` (0) and `now` (1) was at an age (s). */
 static inline double at_age(const struct since *since, double age, double then, double now)
 {
-    return age > 0.0 && since->elapsed > 0.0 ? now - age / since->elapsed * (now - then) : now;
+    return age > 0.0 && since->predicted > 0.0 ? now - age / since->predicted * (now - then) : now;
 }
 
 /* Where a body was at an age (s) that was at `then` a sample ago and is at `now`: back along the arc through both. Its chord over
@@ -28,7 +29,7 @@ static inline double at_age(const struct since *since, double age, double then, 
 static inline struct drawbar_pose pose_at_age(const struct since *since, double age, const struct drawbar_pose *then,
                                               const struct drawbar_pose *now)
 {
-    const double samples = age > 0.0 && since->elapsed > 0.0 ? age / since->elapsed : 0.0;
+    const double samples = age > 0.0 && since->predicted > 0.0 ? age / since->predicted : 0.0;
     const double turned = now->yaw - then->yaw, chord = -0.5 * (samples - 1.0) * turned;
     const double east = now->x - then->x, north = now->y - then->y;
 

@@ -18,7 +18,7 @@ enum { ROLL, PITCH };
 
 #define SIGNS 4                            /* hypotheses: bit 0, the tractor's roll is reversed; bit 1, the trailer's */
 #define SLOPE_PRIOR (8.0 * DRAWBAR_PI / 180.0)   /* its prior standard deviation, rad */
-#define SLOPE_WALK (0.2 * DRAWBAR_PI / 180.0)   /* its random walk, rad per square root of a metre */
+#define SLOPE_WALK (0.2 * DRAWBAR_PI / 180.0)   /* least random walk of the slope, rad per square root of a metre */
 #define ZERO_PRIOR (1.5 * DRAWBAR_PI / 180.0)   /* prior standard deviation of a zero, rad */
 #define ZERO_WALK (0.01 * DRAWBAR_PI / 180.0)   /* its random walk, rad per square root of a metre */
 #define LEAN_NOISE (1.0 * DRAWBAR_PI / 180.0)   /* least standard deviation of a measured angle, rad */
@@ -34,21 +34,44 @@ struct lean_bank {
     double covariance[LEANS][LEANS];
     double log_odds[SIGNS];                /* logarithm of the odds of the likeliest to each */
     double residual_variance;              /* mean square of the residuals, rad2 */
-    int32_t initialised;
+    double walk;                           /* variance per metre of the slope's random walk, rad2/m */
+    double corrected[ZEROS], expected;     /* corrections of the slope on this piece, and their expected square, rad, rad2 */
+    double piece;                          /* its length as yet, m */
 };
 
 static inline void lean_bank_begin(struct lean_bank *bank)
 {
-    *bank = (struct lean_bank){.residual_variance = LEAN_NOISE * LEAN_NOISE, .initialised = 1};
+    *bank = (struct lean_bank){.residual_variance = LEAN_NOISE * LEAN_NOISE, .walk = SLOPE_WALK * SLOPE_WALK};
     for (int i = 0; i < LEANS; ++i)
         bank->covariance[i][i] = i < ZEROS ? SLOPE_PRIOR * SLOPE_PRIOR : ZERO_PRIOR * ZERO_PRIOR;
+}
+
+/* Whether it has begun: before that all is zero. */
+static inline int lean_bank_begun(const struct lean_bank *bank)
+{
+    return bank->walk > 0.0;
+}
+
+/* Adapt the variance of the slope's walk after each piece: its corrections there, squared, are expected to be the decrease of its
+ * variance by them; what is beyond that the walk has left out (covariance matching, Mehra 1972). */
+static inline void lean_bank_adapt(struct lean_bank *bank)
+{
+    const double east = bank->corrected[SLOPE_EAST], north = bank->corrected[SLOPE_NORTH];
+    const double beyond = east * east + north * north - bank->expected;
+
+    if (bank->piece < LEAN_CORRELATION)
+        return;
+    bank->walk = fmax(bank->walk + beyond / (2.0 * bank->piece), SLOPE_WALK * SLOPE_WALK);
+    bank->corrected[SLOPE_EAST] = bank->corrected[SLOPE_NORTH] = bank->expected = bank->piece = 0.0;
 }
 
 /* Propagate the covariance over a travelled distance, m. */
 static inline void lean_bank_propagate(struct lean_bank *bank, double travelled)
 {
+    bank->piece += travelled;
+    lean_bank_adapt(bank);
     for (int i = 0; i < LEANS; ++i)
-        bank->covariance[i][i] += travelled * (i < ZEROS ? SLOPE_WALK * SLOPE_WALK : ZERO_WALK * ZERO_WALK);
+        bank->covariance[i][i] += travelled * (i < ZEROS ? bank->walk : ZERO_WALK * ZERO_WALK);
 }
 
 /* The measurement row of an angle: coefficients of the slope's components, and the index of the zero. */
@@ -76,11 +99,21 @@ static inline double lean_of(const struct lean_row *row, const double *state)
     return row->east * state[SLOPE_EAST] + row->north * state[SLOPE_NORTH] + state[row->zero];
 }
 
+static inline int lean_bank_likeliest(const struct lean_bank *bank)
+{
+    int likeliest = 0;
+
+    for (int h = 1; h < SIGNS; ++h)
+        likeliest = bank->log_odds[h] < bank->log_odds[likeliest] ? h : likeliest;
+    return likeliest;
+}
+
 /* Update all hypotheses with a measured angle (rad), after a travelled distance (m). */
 static inline void lean_bank_update_angle(struct lean_bank *bank, int body, int angle, double yaw, double measured,
                                           double travelled)
 {
     const struct lean_row row = lean_row(body, angle, yaw);
+    const int likeliest = lean_bank_likeliest(bank);
     double gain[LEANS], variance = bank->residual_variance * fmax(LEAN_CORRELATION / travelled, 1.0), least = (double)INFINITY;
 
     for (int i = 0; i < LEANS; ++i)
@@ -93,22 +126,16 @@ static inline void lean_bank_update_angle(struct lean_bank *bank, int body, int 
         const double clipped_innovation = clamped(innovation, -LEAN_OUTLIER * sqrt(variance), LEAN_OUTLIER * sqrt(variance));
         for (int i = 0; i < LEANS; ++i)
             bank->states[h][i] += gain[i] / variance * clipped_innovation;
+        for (int i = 0; h == likeliest && i < ZEROS; ++i)
+            bank->corrected[i] += gain[i] / variance * clipped_innovation;
     }
+    bank->expected += (gain[SLOPE_EAST] * gain[SLOPE_EAST] + gain[SLOPE_NORTH] * gain[SLOPE_NORTH]) / variance;
     for (int i = 0; i < LEANS; ++i)
         for (int j = 0; j < LEANS; ++j)
             bank->covariance[i][j] -= gain[i] * gain[j] / variance;
     const double residual = fmin(least, LEAN_OUTLIER * LEAN_OUTLIER * bank->residual_variance);
     bank->residual_variance += fmin(travelled / LEAN_AVERAGE, 1.0) * (residual - bank->residual_variance);
     bank->residual_variance = fmax(bank->residual_variance, LEAN_NOISE * LEAN_NOISE);
-}
-
-static inline int lean_bank_likeliest(const struct lean_bank *bank)
-{
-    int likeliest = 0;
-
-    for (int h = 1; h < SIGNS; ++h)
-        likeliest = bank->log_odds[h] < bank->log_odds[likeliest] ? h : likeliest;
-    return likeliest;
 }
 
 /* Restart a hypothesis from another's estimate: the signs change now. */
@@ -166,7 +193,7 @@ static inline struct roll_zero lean_bank_zero(const struct lean_bank *bank, int 
     const double filtered = lean_sign(likeliest, body, ROLL) * bank->states[likeliest][place];
     const double variance = bank->covariance[place][place], information = 1.0 / variance - 1.0 / (ZERO_PRIOR * ZERO_PRIOR);
 
-    if (!bank->initialised || !(prior > 0.0) || !(information > 0.0))
+    if (!lean_bank_begun(bank) || !(prior > 0.0) || !(information > 0.0))
         return (struct roll_zero){0.0, prior};
     const double posterior = 1.0 / (information + 1.0 / (prior * prior));
     return (struct roll_zero){filtered / variance * posterior, sqrt(posterior)};

@@ -57,7 +57,7 @@ static inline double span_of(const struct span *span)
 /* Propagate by a travelled distance, m. */
 static inline void lean_watch_propagate(struct lean_watch *watch, double distance)
 {
-    if (!watch->bank.initialised) {
+    if (!lean_bank_begun(&watch->bank)) {
         lean_bank_begin(&watch->bank);
         for (int i = 0; i < LEAN_BODIES; ++i) {
             watch->travelled[i] = LEAN_CORRELATION;

@@ -43,7 +43,7 @@ struct mast_swing {
     double baseline, recent;               /* normalised innovation squared: long and short mean */
     double baseline_time;                  /* time that the long mean covers so far, s */
     double baseline_floor;                 /* least long mean, by SWING_NOISE */
-    int32_t initialised, averages;
+    int32_t averages;
 };
 
 static inline void swing_filter_begin(struct swing_filter *filter)
@@ -54,9 +54,15 @@ static inline void swing_filter_begin(struct swing_filter *filter)
     filter->covariance[SWING_GAIN][SWING_GAIN] = GAIN_PRIOR * GAIN_PRIOR;
 }
 
+/* Whether it has begun: before that all is zero. */
+static inline int swing_begun(const struct mast_swing *swing)
+{
+    return swing->baseline_time > 0.0;
+}
+
 static inline void swing_begin(struct mast_swing *swing, const double *expected)
 {
-    *swing = (struct mast_swing){.baseline = 1.0, .baseline_time = SWING_RECENT, .initialised = 1};
+    *swing = (struct mast_swing){.baseline = 1.0, .baseline_time = SWING_RECENT};
     swing_filter_begin(&swing->every);
     swing_filter_begin(&swing->averaged);
     memcpy(swing->expected, expected, sizeof swing->expected);

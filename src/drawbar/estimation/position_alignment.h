@@ -99,7 +99,7 @@ static inline void move_swing(struct mast_swing *swing, const struct since *sinc
     const double corrected[] = {last->x - swing->expected[0], last->y - swing->expected[1]};
     const double expected[] = {now->x, now->y}, left = to_left(last->yaw, corrected);
 
-    if (swing->initialised && isfinite(left))
+    if (swing_begun(swing) && isfinite(left))
         swing_propagate(swing, expected, left, moved_since(since));
     else
         swing_begin(swing, expected);
@@ -114,7 +114,7 @@ static inline struct attitude attitude_then(struct position_alignment *positions
                                             double age, const struct drawbar_pose *pose)
 {
     struct attitude_track *track = &positions->tracks[body];
-    const double own = attitude_weight(track, since->now);
+    const double own = attitude_weight(track, since->now, since->elapsed);
     const double back = body == ALIGNED_TRAILER ? positions->to_axle : 0.0;
     const int follows = body == ALIGNED_TRAILER && attitude_is_new(&positions->tracks[ALIGNED_TRACTOR], since->now);
     struct attitude measured, recorded;

@@ -28,7 +28,7 @@ static inline void rate_history_record(struct rate_history *history, double rate
 }
 
 /* What a sensor would report now that reported `measured` (rad/s) at an age (s), while the yaw rate became `now`; elapsed: of a
- * sample, s. NaN where the samples do not reach back. */
+ * sample, by the model, s. NaN where the samples do not reach back. */
 static inline double rate_history_brought_up(const struct rate_history *history, double measured, double age, double elapsed,
                                              double now)
 {

@@ -37,14 +37,18 @@ static inline double line_direction(const struct drawbar_estimate *estimate)
     return atan2(tractor->y - trailer->y, tractor->x - trailer->x);
 }
 
-/* Bring the tractor's yaw up to now, without its mounting's error, in place; NaN where it is rejected. */
+/* Bring the tractor's yaw up to now, without its sensor's errors, in place; NaN where it is rejected. fix_latency: that fixes
+ * are corrected for, s. */
 static inline void align_yaw(struct yaw_sensor *sensor, const struct chain *chain, const struct since *since,
-                             struct drawbar_measurement *m)
+                             double fix_latency, struct drawbar_measurement *m)
 {
     const double last = since->last->tractor.yaw, now = since->expected->tractor.yaw;
     const double measured = brought_up(since, m->tractor_yaw, m->tractor_attitude_age, last, now);
 
-    m->tractor_yaw = yaw_judged(sensor, measured, now, yaw_of_fixes(chain, m));
+    const double rate = since->predicted > 0.0 ? (now - last) / since->predicted : 0.0;
+    const struct yaw_known known = {now, rate, yaw_of_fixes(chain, m), fix_latency};
+
+    m->tractor_yaw = yaw_judged(sensor, measured, &known, since->elapsed);
 }
 
 /* Bring the tractor's yaw rate up to now, without the sensor's errors, in place; NaN where it is excluded. The departure of the
@@ -55,13 +59,13 @@ static inline void align_yaw_rate(struct yaw_rate_sensor *sensor, struct rate_hi
     const double now = wheels_yaw_rate(chain, since->expected);
     const double age = m->tractor_attitude_age - fmin(sensor->latency, 0.0);
 
-    if (!sensor->initialised)
+    if (!yaw_rate_begun(sensor))
         rate_history_begin(rates, now);
     const double measured = age > OLDEST
-        ? (double)NAN : rate_history_brought_up(rates, m->tractor_yaw_rate, age, since->elapsed, now);
+        ? (double)NAN : rate_history_brought_up(rates, m->tractor_yaw_rate, age, since->predicted, now);
     rate_history_record(rates, now);
     const double turned = wrapped(line_direction(since->expected) - line_direction(since->last));
-    const struct yaw_reference reference = {yaw_of_fixes(chain, m), since->elapsed > 0.0 ? turned / since->elapsed : 0.0};
+    const struct yaw_reference reference = {yaw_of_fixes(chain, m), since->predicted > 0.0 ? turned / since->predicted : 0.0};
 
     yaw_witness_update(witness, reference.yaw, yaw_rate_corrected(sensor, measured), since->elapsed);
     m->tractor_yaw_rate = yaw_rate_judged(sensor, measured, now, &reference, since->elapsed);

@@ -63,14 +63,20 @@ struct yaw_rate_sensor {
     double difference_variance;            /* about that mean, rad^2 / s^2 */
     double deviating_time;                 /* faded sum of the samples that deviated, s */
     double exclusion;                      /* remaining time of an exclusion, s */
-    int32_t initialised, integrates;       /* integrates: there is an integral */
+    int32_t integrates;                    /* there is an integral */
     int32_t deviates, jumps;               /* whether the newest deviated; number of JUMPs in a row */
 };
+
+/* Whether the filter has begun: before that all is zero. */
+static inline int yaw_rate_begun(const struct yaw_rate_sensor *sensor)
+{
+    return sensor->covariance[LATENCY][LATENCY] > 0.0;
+}
 
 /* Reset the filter; the sensor is excluded for a while (s). */
 static inline void yaw_rate_begin(struct yaw_rate_sensor *sensor, double exclusion)
 {
-    *sensor = (struct yaw_rate_sensor){.latency = sensor->latency, .exclusion = exclusion, .initialised = 1};
+    *sensor = (struct yaw_rate_sensor){.latency = sensor->latency, .exclusion = exclusion};
     sensor->covariance[BIAS][BIAS] = BIAS_PRIOR * BIAS_PRIOR;
     sensor->covariance[LATENCY][LATENCY] = LATENCY_PRIOR * LATENCY_PRIOR;
     sensor->covariance[SCALE][SCALE] = SCALE_PRIOR * SCALE_PRIOR;
@@ -182,7 +188,7 @@ static inline double yaw_rate_judged(struct yaw_rate_sensor *sensor, double meas
 {
     const double share = -expm1(-fmax(elapsed, 0.0) / INNOVATION_TIME);
 
-    if (!sensor->initialised)
+    if (!yaw_rate_begun(sensor))
         yaw_rate_begin(sensor, 0.0);
     sensor->exclusion = fmax(sensor->exclusion - fmax(elapsed, 0.0), 0.0);
     if (!isfinite(measured + wheels) || !(elapsed > 0.0)) {

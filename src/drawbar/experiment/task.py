@@ -149,7 +149,7 @@ def _rehearse(task: Task) -> Result:
     from drawbar.experiment.trial import watch_trial  # it brings the whole machine along, which plain runs do not need
 
     configuration = Configuration.model_validate(tomllib.loads(task.configuration))
-    trial = watch_trial(configuration, task.seed, task.alterations)
+    trial = watch_trial(configuration, task.seed, [each.apply for each in task.alterations])
     log = trial.log()
     return Result(
         source=source_digest(),

@@ -8,7 +8,7 @@
 #ifndef DRAWBAR_INTERIOR_POINT_H
 #define DRAWBAR_INTERIOR_POINT_H
 
-#include "apart.h"
+#include "noinline.h"
 #include "farkas.h"
 #include "ip_start.h"
 
@@ -60,7 +60,7 @@ static void ip_look(const struct qp *restrict s, struct interior_point *restrict
 }
 
 /* Mean complementarity after a step of the given length. */
-static APART double ip_measure(const struct interior_point *restrict ip, double step)
+static NOINLINE double ip_measure(const struct interior_point *restrict ip, double step)
 {
     double sum[BLOCK] = {0.0}, total = 0.0;
 
@@ -169,7 +169,7 @@ static void ip_move(struct qp *restrict s, struct interior_point *restrict ip, d
 
 /* By how much do the multipliers' last steps prove that no point exists? Where none does the multipliers grow without end, along a
  * certificate, while the cost stands still: their growth is the purer certificate. */
-static SELDOM double ip_infeasible(const struct qp *s, const struct interior_point *ip)
+static COLD double ip_infeasible(const struct qp *s, const struct interior_point *ip)
 {
     return farkas_margin(s, ip->dlambda, ip->dlambda + NLOWER);
 }
@@ -209,7 +209,7 @@ static void ip_keep(const struct qp *s, struct ip_answer *best)
     memcpy(best->violation, s->violation, sizeof best->violation);
 }
 
-static SELDOM int ip_restore(struct qp *s, const struct ip_answer *best)
+static COLD int ip_restore(struct qp *s, const struct ip_answer *best)
 {
     s->kkt = best->kkt;
     memcpy(s->z, best->z, sizeof s->z);
@@ -220,7 +220,7 @@ static SELDOM int ip_restore(struct qp *s, const struct ip_answer *best)
 }
 
 /* Where it goes no further: the best answer if it is good enough, else the proof that there is none, else the reason. */
-static SELDOM int ip_end(struct qp *s, struct interior_point *ip, int reason)
+static COLD int ip_end(struct qp *s, struct interior_point *ip, int reason)
 {
     if (ip->best.kkt <= CHECK_TOLERANCE)
         return ip_restore(s, &ip->best);
@@ -264,7 +264,7 @@ static double ip_iterate(struct qp *restrict s, struct interior_point *restrict 
 /* Where short steps follow one another, distances and multipliers are far too small for what lies ahead: the first of them to
  * reach zero ends each step. Take them to be as large as a whole Newton step would make them. Returns 0 where the
  * factorisation fails. */
-static SELDOM double ip_widen(struct qp *restrict s, struct interior_point *restrict ip, int stages)
+static COLD double ip_widen(struct qp *restrict s, struct interior_point *restrict ip, int stages)
 {
     ip_look(s, ip);
     if (!ip_step(s, ip, 0.0, 0.0, stages))

@@ -4,7 +4,7 @@
 #ifndef DRAWBAR_IP_START_H
 #define DRAWBAR_IP_START_H
 
-#include "apart.h"
+#include "noinline.h"
 #include "kkt.h"
 
 #define FAR_OUT 1e3                        /* times the largest bound: no start lies further out than that */
@@ -51,7 +51,7 @@ static void ip_leave_out(struct qp *restrict s, const struct interior_point *res
     }
 }
 
-static APART void ip_publish(struct qp *restrict s, const struct interior_point *restrict ip)
+static NOINLINE void ip_publish(struct qp *restrict s, const struct interior_point *restrict ip)
 {
     for (int i = 0; i < NB; ++i) {
         s->multiplier[2 * i] = ip->lambda[i];
@@ -154,7 +154,7 @@ static int ip_draw(struct qp *restrict s, struct interior_point *restrict ip, co
 /* Where the cost is nearly flat its minimum without bounds lies so far out that nothing about it is a start. Draw all
  * bounded variables towards their bounds, no harder than it takes: first as hard as the cost itself curves. Returns how near to a
  * bound a start may lie then, 0 on failure. */
-static SELDOM double ip_approach(struct qp *restrict s, struct interior_point *restrict ip)
+static COLD double ip_approach(struct qp *restrict s, struct interior_point *restrict ip)
 {
     double away[NX + NU], now[NX + NU], curve[NX + NU] = {0.0}, curvature[NX + NU];
     const double farthest = ip_far_out(s, away);
@@ -181,7 +181,7 @@ static inline double ip_start_violation(double spare, double growth, double pair
 }
 
 /* Start from the solution without bounds, with every distance pushed well inside. */
-static SELDOM void ip_start(struct qp *restrict s, struct interior_point *restrict ip, double near)
+static COLD void ip_start(struct qp *restrict s, struct interior_point *restrict ip, double near)
 {
     double worst[NX + NU] = {0.0}, size[NX + NU] = {0.0}, curve[NX + NU] = {0.0}, flat = 0.0, room[NX + NU];
     const struct ip_damping damping = ip->damping;

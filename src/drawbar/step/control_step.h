@@ -158,9 +158,10 @@ static int follow_driver(struct autopilot *a, struct drawbar_command *command)
     return a->diagnostics.flags;
 }
 
-/* Update the estimate by a measurement, which is aligned for that. Returns the status that ends the run, or 0. */
-static int update_estimate(struct autopilot *a, const struct drawbar_measurement *measurement, struct lent *lent,
-                           struct drawbar_measurement *aligned)
+/* Update the estimate by a measurement, which is aligned for that, after so many samples that were left out. Returns the status
+ * that ends the run, or 0. */
+static int update_estimate(struct autopilot *a, int left_out, const struct drawbar_measurement *measurement,
+                           struct lent *lent, struct drawbar_measurement *aligned)
 {
     struct drawbar_estimate *now = &a->made.estimate, expected;
 
@@ -168,6 +169,7 @@ static int update_estimate(struct autopilot *a, const struct drawbar_measurement
     if (ended)
         return ended;
     drawbar_estimator_expected(COMPONENT(a->estimator), &expected);
+    expected.time = now->time + (1 + left_out) * a->settings.sample_time;
     ended = drawbar_alignment_apply(COMPONENT(a->alignment), measurement, now, &expected, aligned);
     if (ended)
         return ended;
@@ -210,7 +212,7 @@ static int drive(struct autopilot *a, int left_out, const struct drawbar_measure
     struct drawbar_measurement aligned;
     struct drawbar_estimate ahead;
 
-    int ended = update_estimate(a, measurement, &lent, &aligned);
+    int ended = update_estimate(a, left_out, measurement, &lent, &aligned);
     if (ended)
         return end_run(a, ended, command);
     a->reached = WITH_ESTIMATE;
