@@ -61,6 +61,7 @@ def test_numbers_types_and_functions_change() -> None:
         "double time;",
         "int f(const double time);",
         "typedef double time_stamp;",
+        "typedef double wide;",
         "double memory[12];",
         "int32_t x1 = 0x10, e5 = a.b1;",
     ],

@@ -2,6 +2,7 @@
 
 import json
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -60,13 +61,28 @@ def test_without_a_unit_for_doubles_they_are_the_compilers_own_functions(targets
     assert all(DOUBLES.fullmatch(name) for name in more)
 
 
-def test_in_single_precision_only_time_stamps_are_doubles(exported) -> None:
+def members(archive: bytes) -> Iterator[bytes]:
+    """Return the files in an archive."""
+    place = len("!<arch>\n")
+    while place < len(archive):
+        size = int(archive[place + 48 : place + 58])
+        yield archive[place + 60 : place + 60 + size]
+        place += 60 + size + size % 2
+
+
+def test_in_single_precision_only_time_stamps_and_recorded_lines_are_doubles(exported) -> None:
     pytest.importorskip("ziglang")
     folder = exported("articulated", precision=Precision.SINGLE, targets=("cortex-m4",))
     manifest = json.loads((folder / "manifest.json").read_text("utf-8"))
     built = manifest["targets"]["cortex-m4"]
-    needs = {name for name in built["needs"] if DOUBLES.fullmatch(name)}
-    assert needs <= {f"__aeabi_{name}" for name in ("d2f", "f2d", "dadd", "dsub", *COMPARISONS)}
+    library = (folder / "lib" / "cortex-m4" / "libdrawbar.a").read_bytes()
+    control_step = b"".join(each for each in members(library) if b"drawbar_line_path" not in each)
+    needs = {name.decode() for name in re.findall(rb"__aeabi_\w+", control_step) if DOUBLES.fullmatch(name.decode())}
+    assert (
+        {"__aeabi_d2f", "__aeabi_dsub"}
+        <= needs
+        <= {f"__aeabi_{name}" for name in ("d2f", "f2d", "dadd", "dsub", *COMPARISONS)}
+    )
     assert {name.removesuffix("f") for name in built["needs"]} & C_LIBRARY
     assert not C_LIBRARY & set(built["needs"])
     assert manifest["precision"] == "single"

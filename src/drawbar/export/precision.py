@@ -2,7 +2,8 @@
 
 The mathematics stay as they are. What changes besides the type of numbers: the tolerances that rounding sets, sine,
 cosine and arctangent (lane_trigonometry_single.h), and which of the C library's functions are called. A time stamp
-remains a double, as a float would lose milliseconds of it within hours.
+remains a double, as a float would lose milliseconds of it within hours, and so do the numbers in which a recorded line
+is smoothed.
 """
 
 import re
