@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from drawbar.experiment.comparison import comparison
 from drawbar.experiment.elements import Element, Table
 from drawbar.experiment.measured import MeasuredExperiment
 from drawbar.experiment.task import Result
@@ -53,33 +54,26 @@ def figures(result: Result) -> dict[str, float]:
 
 
 def report(measured: MeasuredExperiment) -> Iterator[Element]:
-    """Yield the product's table and the comparators'."""
+    """Yield the product's table, the comparators' and who is nearer than the product."""
     variants = [variant.name for variant in measured.experiment.settings.variants]
     yield Table(
         name="product",
         caption=f"`{PRODUCT}`: distance of the points on the ground from the path after the first {BEGINS:g} m: mean / "
-        "95 % (means over the seeds) / largest of all seeds, standard deviation of the signed distance in brackets, "
-        "cm, beside the independent validation's mean / 95 % / max of two seeds. Fixes that were not believed, %; "
-        "root mean square of the tractor's roll, °.",
+        "95 % (means over the seeds) / largest of all seeds, standard deviation of the signed distance, and that on "
+        "the straights, in brackets, cm, beside the independent validation's mean / 95 % / max of two seeds. Fixes "
+        "that were not believed, %; root mean square of the tractor's roll, °.",
         header=["", "finished", "tractor", "validation", "trailer", "validation", "masked, %", "roll, °"],
         rows=[_row(measured, variant) for variant in variants],
     )
-    cases = [case.name for case in measured.experiment.settings.cases]
-    compared = [variant for variant in variants if any(f"{case}: {variant}" in measured.runs for case in cases[1:])]
-    yield Table(
-        name="comparators",
-        caption="Mean distance of the points on the ground from the path, tractor / trailer, cm, mean over the seeds; "
-        "in brackets how many runs came to the end, where not all did.",
-        header=["", *cases],
-        rows=[[variant, *(measured.means(f"{case}: {variant}", MEANS) for case in cases)] for variant in compared],
-    )
+    yield from comparison(measured, PRODUCT, MEANS)
 
 
 def _row(measured: MeasuredExperiment, variant: str) -> list[str]:
     case = f"{PRODUCT}: {variant}"
     cells = [variant, measured.finished(case)]
     for body, validated in zip(BODIES, VALIDATION.get(variant, ("", "")), strict=True):
-        mean, high, spread = (measured.statistic(case, f"{body} {name}").mean for name in ("mean", "95 %", "SD"))
+        names = ("mean", "95 %", "SD", "straight SD")
+        mean, high, spread, straight = (measured.statistic(case, f"{body} {name}").mean for name in names)
         largest = measured.statistic(case, f"{body} largest").largest
-        cells += [f"{mean:.1f} / {high:.1f} / {largest:.0f} ({spread:.1f})", validated]
+        cells += [f"{mean:.1f} / {high:.1f} / {largest:.0f} ({spread:.1f}; {straight:.1f})", validated]
     return [*cells, *(f"{measured.statistic(case, name).mean:.2f}" for name in ("masked", "roll"))]

@@ -27,9 +27,9 @@ def report(measured: MeasuredExperiment) -> Iterator[Element]:
     """Yield the table."""
     yield Table(
         name="readings",
-        caption="Distance of the true antennas from the path, tractor / trailer, cm: mean by class of the path over "
-        "all seeds, and the largest of any; largest RMS error of the estimated yaw of any seed; solver calls of all "
-        "seeds that did not end in SOLVED.",
+        caption="Distance of the points on the ground from the path, tractor / trailer, cm: mean by class of the path "
+        "over all seeds, and the largest of any; largest RMS error of the estimated yaw of any seed; solver calls of "
+        "all seeds that did not end in SOLVED.",
         header=["reading", *CLASSES.values(), "largest, cm", "yaw, °", "failures"],
         rows=[_row(measured, case) for case in measured.cases],
     )

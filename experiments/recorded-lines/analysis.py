@@ -21,10 +21,18 @@ def report(measured: MeasuredExperiment) -> Iterator[Element]:
     """Yield the table."""
     yield Table(
         name="lines",
-        caption="Distance of the true antennas from the path, tractor / trailer, cm: mean by class of the path over "
-        "all seeds, and the largest of any. Last: largest distance of a recorded point from the path under that limit "
+        caption="Distance of the points on the ground from the path, tractor / trailer, cm: mean by class of the path, "
+        "standard deviation of the signed distance and 95 %, means over the seeds, and the largest of any. "
+        "Last: largest distance of a recorded point from the path under that limit "
         "of its curvature.",
-        header=["line", *CLASSES.values(), "largest", f"deviation at {' / '.join(map(str, LIMITS))} 1/m, m"],
+        header=[
+            "line",
+            *CLASSES.values(),
+            "SD",
+            "95 %",
+            "largest",
+            f"deviation at {' / '.join(map(str, LIMITS))} 1/m, m",
+        ],
         rows=[_row(measured, case) for case in measured.cases],
     )
 
@@ -32,7 +40,9 @@ def report(measured: MeasuredExperiment) -> Iterator[Element]:
 def _row(measured: MeasuredExperiment, case: str) -> list[str]:
     """Return the line's row; a dash where the line has nothing of a class."""
     configuration = Configuration.model_validate(tomllib.loads(measured.experiment.configurations[case]))
-    means = [[measured.statistic(case, f"{body} {label}").mean for body in BODIES] for label in CLASSES]
+    means = [
+        [measured.statistic(case, f"{body} {label}").mean for body in BODIES] for label in (*CLASSES, "SD", "95 %")
+    ]
     largest = [measured.statistic(case, f"{body} largest").largest for body in BODIES]
     return [
         case,

@@ -18,6 +18,7 @@ from drawbar.simulation import build_path
 PRODUCT = "articulated"
 CLASSES = ("straight", "0.1", "0.125", "0.15")
 TITLES = ("straight", "curve 0.1/m", "curve 0.125/m", "curve 0.15/m")
+WHOLE = ("SD", "95 %", "largest")
 BODIES = tuple(BODY_COLOURS)
 FIELD = {"tractor": (7.95, 59.54, 66.93, 76.86), "trailer": (5.42, 55.51, 64.41, 76.38)}
 """the paper's means in the field, cm, in the order of the classes"""
@@ -31,7 +32,7 @@ def report(measured: MeasuredExperiment) -> Iterator[Element]:
     yield Text(text=_who_beats_the_product(measured))
     yield Picture(
         name="error",
-        caption="Distance of the true antennas from the path, seed 0: the paper's set and the product's, at two "
+        caption="Distance of the points on the ground from the path, seed 0: the paper's set and the product's, at two "
         "scales. Dashed: the paper's means in the field. Shaded: curves.",
         draw=lambda figure: _draw_errors(figure, measured),
         size=(8.0, 5.2),
@@ -46,15 +47,16 @@ def report(measured: MeasuredExperiment) -> Iterator[Element]:
 
 def _means(measured: MeasuredExperiment) -> Table:
     field = [f"{tractor:.1f} / {trailer:.1f}" for tractor, trailer in zip(*FIELD.values(), strict=True)]
-    rows = [["the paper, in the field", "", *field, ""]]
+    rows = [["the paper, in the field", "", *field, *("" for _ in WHOLE)]]
     for case in measured.cases:
-        cells = [_both(measured, case, label) for label in (*CLASSES, "largest")]
+        cells = [_both(measured, case, label) for label in (*CLASSES, *WHOLE)]
         rows.append([case, measured.finished(case), *cells])
     return Table(
         name="means",
-        caption="Distance of the true antennas from the path, tractor / trailer, cm: mean by class of the path and "
-        "largest of a run, mean over the seeds ± 95 % interval.",
-        header=["", "finished", *TITLES, "largest"],
+        caption="Distance of the points on the ground from the path at 1 m/s, tractor / trailer, cm: mean by class of "
+        "the path, standard deviation of the signed distance, 95 % and largest of a run, each as mean over the seeds "
+        "± 95 % interval.",
+        header=["", "finished", *TITLES, *WHOLE],
         rows=rows,
     )
 

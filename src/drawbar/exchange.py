@@ -89,10 +89,8 @@ def _member(text: str, words: str) -> str:
     return lead + ("\n" + " " * _WIDTH + "  * ").join(lines) + " */"
 
 
-def _enumeration(kind: type[IntEnum] | type[IntFlag], name: str = "", prefix: str = "") -> str:
-    """Return an enumeration, under its own names unless others are given; C++98 has no comma behind the last member."""
-    if not name:
-        name, prefix = _ENUMERATIONS[kind]
+def _enumeration(kind: type[IntEnum] | type[IntFlag], name: str, prefix: str) -> str:
+    """Return an enumeration under a name; C++98 has no comma behind the last member."""
     words, members, lines = declared_words(kind), list(kind), []
     for member in members:
         comment = getattr(member, "text", "") or words.get(str(member.name), "")
@@ -226,10 +224,10 @@ _SOLVER = f"""\
 
 def headers() -> dict[str, str]:
     """Return the text of each generated header by its place in the package."""
-    public = [_enumeration(kind) for kind in _PUBLIC_ENUMERATIONS]
+    public = [_enumeration(kind, *_ENUMERATIONS[kind]) for kind in _PUBLIC_ENUMERATIONS]
     for kind in _PUBLIC_STRUCTURES:
         public += [_structure(kind), *([_NOTHING + _nothing()] if kind is Measurement else [])]
-    inner = [_enumeration(MonitorVerdict)]
+    inner = [_enumeration(MonitorVerdict, *_ENUMERATIONS[MonitorVerdict])]
     inner += [_structure(kind) for kind in (BodyReference, BodyPlan, BodySteering, Truth)]
     inner += [
         "/* Largest magnitudes that sensors can mean, of the measurement's numbers but the time, in order. */\n"
@@ -240,7 +238,7 @@ def headers() -> dict[str, str]:
         "step/public/drawbar_signals.h": _PUBLIC + "\n".join(public) + end,
         "step/status_text.h": _TEXTS + _texts() + end,
         "signals.h": _INNER + "\n".join(inner) + end,
-        "solver/status.h": _SOLVER + _enumeration(SolverStatus, "qp_status") + end,
+        "solver/status.h": _SOLVER + _enumeration(SolverStatus, "qp_status", "") + end,
     }
 
 

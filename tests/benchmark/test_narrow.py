@@ -65,6 +65,9 @@ def lost(text: str, width: int, figures: list[str]) -> set[str]:
     return cut | (set(figures) - set(text.split()))
 
 
+STARTS = ("import", "first_step", "cold_first_step")
+
+
 @pytest.mark.parametrize("width", [24, 40, 60, 80])
 def test_bench_shows_every_figure(width: int) -> None:
     numbers, solvers = Numbers(), ("drawbar", "HPIPM", "DAQP", "PIQP")
@@ -74,7 +77,7 @@ def test_bench_shows_every_figure(width: int) -> None:
         "rows": [row(numbers, problem, n) for problem in PROBLEMS for n in stages],
         "peers": [race(numbers, problem, n, name) for problem in PROBLEMS for n in stages for name in solvers],
         "peers_missing": {"PIQP": "it is not installed"},
-        "start_up": {f"{key}{unit}": 0.25 for key in ("import", "first_step") for unit in ("_s", "_cpu_s")},
+        "start_up": {f"{key}{unit}": 0.25 for key in STARTS for unit in ("_s", "_cpu_s")},
         **{f"{key}_us": one for key in ("c_step", "c_step_free", "c_step_active", "c_step_preparation")},
         **{f"{key}_us": one for key in ("control_step", "python")},
         **dict.fromkeys(("real_time_factor", "real_time_factor_logged"), 1650.0),

@@ -69,3 +69,16 @@ def test_no_help_has_brackets_which_would_be_taken_for_styles() -> None:
     helps = helps_of(get_command(app))
     assert any("devices.*_board.memory" in text for text in helps)
     assert not [text for text in helps if "[" in text]
+
+
+def test_help_breaks_no_line_where_the_source_does() -> None:
+    helps = helps_of(get_command(app))
+    assert any("\n\n" in text for text in helps)
+    assert not [text for text in helps if "\n" in text.replace("\n\n", "")]
+
+
+@pytest.mark.parametrize(("command", "usage"), [("config", "[CONFIG]"), ("tune", "[KEY=LOW..HIGH]...")])
+def test_help_has_one_pair_of_brackets_around_what_may_be_left_out(command: str, usage: str) -> None:
+    _, text = said(command, "--help")
+    assert usage in text
+    assert "[[" not in text

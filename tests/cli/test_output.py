@@ -1,4 +1,4 @@
-"""Output that cannot be written is one message."""
+"""Output: one message where it cannot be written; what is said without a terminal."""
 
 import os
 import subprocess
@@ -8,7 +8,9 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from drawbar.cli import options
 from drawbar.cli.main import app
+from drawbar.codegen import build
 
 FULL = Path("/dev/full")
 
@@ -91,3 +93,14 @@ def test_a_reader_that_goes_away_ends_nothing():
         process.stdout.close()
         _, error = process.communicate(b"\n")
     assert (process.returncode, error.decode()) == (0, "done\n")
+
+
+@pytest.mark.parametrize("named", ["compiled", "kept"])
+def test_without_a_terminal_one_line_says_that_something_is_compiled(named, tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("DRAWBAR_CACHE", str(tmp_path))
+    units = {f"unit{number}.c": f"int answer{number}(void) {{ return {number}; }}\n" for number in range(2)}
+    if named == "kept":
+        build("two", units)
+    with options.compiling():
+        build("two", units)
+    assert capsys.readouterr().out == ("compiling the control step, once …\n" if named == "compiled" else "")

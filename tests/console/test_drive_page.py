@@ -1,4 +1,4 @@
-"""The drive page, by simulated users in front of the gate's real desk."""
+"""The drive page, by simulated users in front of the gate's real engagement."""
 
 import pytest
 
@@ -152,7 +152,7 @@ async def test_one_of_two_operators_holds_the_lease_and_both_see_who(stage, brow
     stage.link.ask(other.page._visitor, Action.ARM)
     stage.run(0.3, one, other)
     assert Cause.LEASE_HELD.sentence[1:] in other.notifications()
-    assert stage.desk.lease == one.page._visitor.number
+    assert stage.requests.lease == one.page._visitor.number
 
 
 async def with_a_wish(stage, browser):
@@ -176,7 +176,7 @@ async def test_control_is_handed_over_by_asking_and_giving(stage, browser):
     assert "asks for control" not in one.text()
     other.press("1 Prepare")
     stage.run(0.3, one, other)
-    assert stage.desk.lease == other.page._visitor.number
+    assert stage.requests.lease == other.page._visitor.number
 
 
 @staged
@@ -247,8 +247,8 @@ async def test_nudge_and_speed_reach_the_gate(stage, browser):
     stage.run(0.1, one)
     one.user.find(marker="slower").click()
     stage.run(0.2, one)
-    assert stage.desk.nudge == pytest.approx(0.02)
-    assert stage.desk.set_speed == pytest.approx(1.0 - 0.2 / 3.6)
+    assert stage.requests.nudge == pytest.approx(0.02)
+    assert stage.requests.set_speed == pytest.approx(1.0 - 0.2 / 3.6)
     assert "◀ 2 cm" in one.text()
     assert "3.4 km/h" in one.text()
 
@@ -262,13 +262,13 @@ async def test_the_next_line_is_chosen_while_nothing_is_steered_as_the_driver_se
     one.press("pass_left")
     stage.receive_controller(line_offset=3.0)
     stage.run(0.3, one)
-    assert stage.desk.line == 1
+    assert stage.requests.line == 1
     assert "You have control" in one.text()
     stage.receive_controller(line_offset=3.0, against=1)
     for _ in range(2):
         one.press("pass_left")
         stage.run(0.3, one)
-    assert stage.desk.line == -1
+    assert stage.requests.line == -1
     stage.run(1.2, one)
     assert "-1 ✖ not drivable" in one.text()
     stage.receive_controller(line_offset=-3.0, against=1)
@@ -276,7 +276,7 @@ async def test_the_next_line_is_chosen_while_nothing_is_steered_as_the_driver_se
     assert "not drivable" not in one.text()
     one.press("nudge_left")
     stage.run(0.1, one)
-    assert stage.desk.nudge == pytest.approx(-0.02)
+    assert stage.requests.nudge == pytest.approx(-0.02)
     assert "◀ 2 cm" in one.text()
 
 
@@ -308,7 +308,7 @@ async def test_a_double_tap_on_engage_is_one_and_changes_nothing_else(stage, bro
     stage.run(1.0, one)
     one.user.find(marker="slower").click()
     stage.run(0.1, one)
-    assert stage.desk.set_speed == pytest.approx(1.0 - 0.2 / 3.6)
+    assert stage.requests.set_speed == pytest.approx(1.0 - 0.2 / 3.6)
 
 
 @staged

@@ -14,9 +14,9 @@ from console_stage import FRAME, staged, until
 from nicegui import ui
 
 from drawbar.config import load_configuration
+from drawbar.console.access_control import LARGEST_UPLOAD
 from drawbar.console.drawing import boundary
 from drawbar.console.field_map import FieldMap
-from drawbar.console.guard import LARGEST_UPLOAD
 from drawbar.console.visitors import Rank
 from drawbar.fields.exchange import WRITERS
 from drawbar.fields.field import Field, FieldLine
@@ -54,7 +54,7 @@ async def planned(one):
 
 
 async def opened(stage, browser):
-    stage.workshop.fields.add(FIELD)
+    stage.next_drive.fields.add(FIELD)
     one = await browser().open("/fields")
     stage.run(0.1)
     await planned(one)
@@ -106,7 +106,7 @@ async def test_a_line_is_chosen_on_the_map_and_its_pass_is_planned_and_drawn(sta
 @staged
 async def test_a_line_too_tight_for_the_vehicle_is_refused_before_it_is_taken(stage, browser):
     square = on_earth(np.array([[0.0, 0.0], [20.0, 0.0], [20.0, 0.5], [0.0, 0.5]]), FRAME)
-    stage.workshop.fields.add(Field(name="tight", lines=(FieldLine(name="u", points=square),)))
+    stage.next_drive.fields.add(Field(name="tight", lines=(FieldLine(name="u", points=square),)))
     one = await browser().open("/fields")
     await planned(one)
     assert "line 'u'" in one.text()
@@ -118,8 +118,8 @@ async def test_the_taken_pass_is_a_version_of_the_configuration_that_drives_it(s
     one = await opened(stage, browser)
     await chosen(one, "Pass", 1)
     one.press("Take for the next drive")
-    await until(lambda: stage.workshop.versions.all() or "wrong" in one.text())
-    (version,) = stage.workshop.versions.all()
+    await until(lambda: stage.next_drive.versions.all() or "wrong" in one.text())
+    (version,) = stage.next_drive.versions.all()
     saved = load_configuration(str(version.file))
     line = load_line(version.file.parent / saved.path.file, saved.path.track)
     assert line.name == "AB +1"
@@ -144,8 +144,8 @@ async def test_nothing_is_taken_while_the_vehicle_is_steered(stage, browser):
     with fields.user.client:
         await fields.page._take_line()  # a forged event
     assert "the vehicle is steered now; stop first" in fields.text()
-    assert stage.workshop.versions.all() == []
-    assert not list(stage.workshop.versions.folder.glob("*"))
+    assert stage.next_drive.versions.all() == []
+    assert not list(stage.next_drive.versions.folder.glob("*"))
 
 
 @staged
@@ -162,8 +162,8 @@ async def test_an_a_b_line_and_a_curve_are_made_while_driving_and_kept(stage, br
     drive(stage, one, 20.0 * np.column_stack([np.sin(turn), 1.0 - np.cos(turn)]))
     assert "Recording: " in one.text()
     one.press("■ End and save")
-    assert stage.workshop.fields.names() == ["New field"]
-    straight, curve = stage.workshop.fields.load("New field").lines
+    assert stage.next_drive.fields.names() == ["New field"]
+    straight, curve = stage.next_drive.fields.load("New field").lines
     assert straight.name == "AB 36.9°"
     assert "Curve is kept in New field" in one.notifications()
     np.testing.assert_allclose(straight.points, on_earth(np.array([[0.0, 0.0], [3.0, 4.0]]), FRAME), atol=1e-8)
@@ -188,7 +188,7 @@ async def test_a_recorded_curve_that_takes_no_more_points_says_so(stage, browser
 @staged
 async def test_a_line_that_is_far_away_is_said_to_be(stage, browser):
     far = np.add(FIELD.lines[0].points, (4.5, 0.0))
-    stage.workshop.fields.add(Field(name="far", lines=(FieldLine(name="far", points=far),)))
+    stage.next_drive.fields.add(Field(name="far", lines=(FieldLine(name="far", points=far),)))
     stage.receive_fixes(0.0, 0.0)
     one = await browser().open("/fields")
     await planned(one)
@@ -198,14 +198,14 @@ async def test_a_line_that_is_far_away_is_said_to_be(stage, browser):
 
 @staged
 async def test_a_large_field_is_read_while_others_are_served(stage, browser):
-    stage.workshop.fields.add(FIELD)
-    served, load = threading.Event(), stage.workshop.fields.load
+    stage.next_drive.fields.add(FIELD)
+    served, load = threading.Event(), stage.next_drive.fields.load
 
     def slow(name):
         assert served.wait(120.0)
         return load(name)
 
-    stage.workshop.fields.load = slow
+    stage.next_drive.fields.load = slow
     one = await browser().open("/fields")
     served.set()
     await planned(one)
@@ -218,7 +218,7 @@ async def test_four_hundred_lines_are_drawn_by_few_points(stage, browser):
     along = np.linspace(0.0, 450.0, 300)
     wave = np.column_stack([5.0 * np.sin(along), along])
     lines = [FieldLine(name=f"{n}", points=on_earth(wave + np.array([3.0 * n, 0.0]), FRAME)) for n in range(400)]
-    stage.workshop.fields.add(Field(name="many", lines=tuple(lines)))
+    stage.next_drive.fields.add(Field(name="many", lines=tuple(lines)))
     one = await browser().open("/fields")
     await planned(one)
     drawn = [line["points"] for line in scene(one)["lines"]]
@@ -263,7 +263,7 @@ async def test_a_file_is_imported_and_the_field_exported(stage, browser):
     one = await browser().open("/fields")
     assert await hand_over(one, "hill.zip", WRITERS["Shapefile"][1](FIELD)) == 200
     await until(lambda: "Imported hill, lines: 2" in one.notifications())
-    kept = stage.workshop.fields.load("hill")
+    kept = stage.next_drive.fields.load("hill")
     assert [line.name for line in kept.lines] == ["AB", "bent"]
     assert kept.boundary is not None
     assert await hand_over(one, "x.kml", b"<kml/>") == 200
@@ -288,7 +288,7 @@ async def test_files_are_taken_from_the_pages_owner_only_and_up_to_a_size(stage,
 
 @staged
 async def test_a_viewer_makes_and_takes_no_lines_but_stops(stage, browser):
-    stage.workshop.fields.add(FIELD)
+    stage.next_drive.fields.add(FIELD)
     one = browser()
     visitors = one.pages._visitors
     admit = visitors.admit

@@ -71,7 +71,7 @@ class Plot:
             self.lines, self.rows = picture["lines"], []
         self.new, self.age = len(picture["rows"]), picture["age"]
         self.rows += picture["rows"]
-        self._one.page._plot._under_way.drawn()
+        self._one.page._plot._flow.drawn()
 
     def values(self, name):
         return [
@@ -143,5 +143,5 @@ async def test_a_browser_that_does_not_draw_is_not_sent_more(stage, browser):
         with one.user.client:
             plot.draw([], 0.0)
     assert not plot.may_draw
-    plot._under_way.drawn()
+    plot._flow.drawn()
     assert plot.may_draw

@@ -205,7 +205,7 @@ def _listed(runs):
 
 @pytest.fixture
 def drive_log(tmp_path):
-    """Return the log of a drive by the gate's real desk: refused to engage, stopped, acknowledged."""
+    """Return the log of a drive by the gate's real engagement: refused to engage, stopped, acknowledged."""
     stage, file = Stage(), tmp_path / "log.mcap"
     states, asked = [], []
     receive = stage.link.receive
@@ -222,7 +222,7 @@ def drive_log(tmp_path):
             seen_sequence=stage.link.gate.sequence,
             seen_time=stage.link.gate.time,
         )
-        stage.desk.receive(stage.time, message)
+        stage.requests.receive(stage.time, message)
         asked += [message, message]  # the recorder may hear a message twice
         stage.run(3.0)
     with file.open("wb") as stream:
@@ -264,6 +264,18 @@ def test_a_recorder_that_falls_silent_while_steering_is_an_event_once(tmp_path):
         writer.finish()
     told = [(event.time, event.text) for event in run_events(tmp_path / "log.mcap", words)]
     assert told == [(0.0, words("ACTIVE")), (2.0, words.cause(Cause.NOT_RECORDING)[0])]
+
+
+def test_a_chosen_pass_is_an_event(tmp_path):
+    words = Words("en")
+    with (tmp_path / "log.mcap").open("wb") as stream:
+        writer = ChunkedWriter(stream, "")
+        channel = writer.add_channel("/operator", "json", 0)
+        data = msgspec.json.encode({"action": Action.LINE, "nonce": 1, "value": -2.0})
+        writer.add_message(channel, data, log_time=SECOND, publish_time=SECOND, sequence=0)
+        writer.finish()
+    told = [event.text for event in run_events(tmp_path / "log.mcap", words)]
+    assert told == [words("operator_pressed", what=words("pass_number")) + " -2"]
 
 
 @pytest.mark.parametrize("language", ["en", "de"])

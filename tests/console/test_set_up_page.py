@@ -56,7 +56,7 @@ async def test_numbers_are_shown_in_peoples_units_and_saved_in_si(stage, browser
     assert "A  Wheelbase: 140 cm → 215.5 cm" in one.text()
     assert "Front wheels, at most: 30 ° → 25 °" in one.text()
     one.press("Save as a new version")
-    (version,) = stage.workshop.versions.all()
+    (version,) = stage.next_drive.versions.all()
     saved = load_configuration(str(version.file))
     assert saved.vehicle.wheelbase == 2.155
     assert saved.vehicle.masts.tractor.up == 2.5
@@ -91,7 +91,7 @@ def test_what_is_no_configuration_cannot_be_saved(key, value, reason):
         assert {each.content for each in before} == content
         one.press("Undo")
         assert reason not in one.text()
-        assert stage.workshop.versions.all() == []
+        assert stage.next_drive.versions.all() == []
 
     test()
 
@@ -111,8 +111,8 @@ async def test_nothing_is_changed_while_the_vehicle_is_steered(stage, browser):
     assert "the vehicle is steered now" in one.notifications()
     one.refresh()
     assert not one.enabled("Save as a new version")
-    assert stage.workshop.versions.all() == []
-    assert stage.workshop.configuration == stage.configuration
+    assert stage.next_drive.versions.all() == []
+    assert stage.next_drive.configuration == stage.configuration
 
 
 @staged
@@ -127,7 +127,7 @@ async def test_an_operator_may_look_and_change_nothing(stage, browser):
     number(one, "vehicle.wheelbase").set_value(150.0)
     with one.user.client:
         one.page._keep()
-    assert stage.workshop.versions.all() == []
+    assert stage.next_drive.versions.all() == []
 
 
 @staged
@@ -136,7 +136,7 @@ async def test_versions_build_on_each_other_and_one_can_go_back(stage, browser):
     for value in (150.0, 160.0):
         number(one, "vehicle.wheelbase").set_value(value)
         one.press("Save as a new version")
-    newest, first = stage.workshop.versions.all()
+    newest, first = stage.next_drive.versions.all()
     assert (first.number, newest.number) == (1, 2)
     buttons = [each for each in one.user.client.elements.values() if isinstance(each, ui.button)]
     assert "Go on from this" in [each.text for each in buttons]
@@ -145,7 +145,7 @@ async def test_versions_build_on_each_other_and_one_can_go_back(stage, browser):
     assert number(one, "vehicle.wheelbase").value == 150.0
     number(one, "vehicle.hitch_length").set_value(120.0)
     one.press("Save as a new version")
-    third = load_configuration(str(stage.workshop.versions.all()[0].file))
+    third = load_configuration(str(stage.next_drive.versions.all()[0].file))
     assert (third.vehicle.wheelbase, third.vehicle.hitch_length) == (1.5, 1.2)
     assert load_configuration(str(newest.file)).vehicle.wheelbase == 1.6
 
@@ -229,11 +229,11 @@ async def test_devices_are_shown_with_rate_and_age(stage, browser):
 
 @staged
 async def test_devices_that_the_machine_does_not_have_are_not_listed(stage, browser):
-    devices = stage.workshop.driven.devices
+    devices = stage.next_drive.driven.devices
     sensors = devices.sensors.model_copy(update={"pulses_per_metre": None})
     alone = devices.model_copy(update={"trailer_receiver": None, "sensors": sensors})
     everything = (await browser().open("/setup")).text()
-    stage.workshop.driven = stage.workshop.driven.model_copy(update={"devices": alone})
+    stage.next_drive.driven = stage.next_drive.driven.model_copy(update={"devices": alone})
     page = await browser().open("/setup")
     stage.run(1.0)
     page.refresh()
@@ -262,7 +262,7 @@ async def test_a_drive_by_hand_calibrates_and_is_refused_while_the_vehicle_is_st
 
     short = load_configuration("articulated", ["path.radii=[4.0]", "path.straight_length=1.0"])
     record = simulate(short, 1).records[60]
-    stage.workshop.configuration = stage.workshop.driven  # a machine with devices
+    stage.next_drive.configuration = stage.next_drive.driven  # a machine with devices
     one = await browser().open("/setup")
     stage.run(4.0)
     one.refresh()
@@ -283,10 +283,10 @@ async def test_a_drive_by_hand_calibrates_and_is_refused_while_the_vehicle_is_st
     await until(lambda: "Found:" in one.text())
     assert "✓ wheel speed: 1.04" in one.text()
     assert "✖ front wheels: scale" in one.text()
-    pulses = stage.workshop.driven.devices.sensors.pulses_per_metre
+    pulses = stage.next_drive.driven.devices.sensors.pulses_per_metre
     one.refresh()
     one.press("Save the result")
-    assert stage.workshop.configuration.devices.sensors.pulses_per_metre == pytest.approx(1.04 * pulses, rel=1e-3)
+    assert stage.next_drive.configuration.devices.sensors.pulses_per_metre == pytest.approx(1.04 * pulses, rel=1e-3)
     log = stage.link.hand_log
     log.begin()
     for _ in range(20):

@@ -46,7 +46,7 @@ def bench(monkeypatch):
 async def opened(stage, browser):
     """Return a page of a drive whose stand-ins have a bare valve."""
     machine = load_configuration("articulated", ["machine.attitude.tractor.present=true"])
-    stage.workshop.driven = with_stand_ins(machine)
+    stage.next_drive.driven = with_stand_ins(machine)
     return await browser().open("/setup")
 
 
@@ -73,11 +73,11 @@ def test_it_pushes_draws_and_keeps_what_it_found(bench):
         assert bench.is_off
         assert not bench.lines[0].connected
         assert sum(isinstance(each, ui.echart) and each.visible for each in one.user.client.elements.values()) == 2
-        stage.workshop.configuration = stage.workshop.driven
+        stage.next_drive.configuration = stage.next_drive.driven
         one.refresh()
         one.press("Save the sensor's scale")
         assert "saved" in one.notifications().lower()
-        (version,) = stage.workshop.versions.all()
+        (version,) = stage.next_drive.versions.all()
         saved = load_configuration(str(version.file)).devices.bare_valve.angles
         assert saved == pytest.approx([0.9 * each for each in SETTINGS.angles], rel=0.05)
 

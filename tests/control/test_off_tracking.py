@@ -11,7 +11,8 @@ from drawbar.codegen import Workspace, build
 from drawbar.config import load_configuration
 from drawbar.control.off_tracking import sharing_settings
 from drawbar.control.settings import SharingSettings
-from drawbar.machine.settings import CrabProcess, GroundSettings, SensorSettings, SimulatedMachineSettings, SlipProcess
+from drawbar.machine.sensor_settings import SensorSettings
+from drawbar.machine.settings import CrabProcess, GroundSettings, SimulatedMachineSettings, SlipProcess
 from drawbar.machine.simulated import SimulatedMachine
 from drawbar.signals import Command, Pose
 from drawbar.simulation import simulate

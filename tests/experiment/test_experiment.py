@@ -6,10 +6,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from pydantic import ValidationError
 
 from drawbar.config import load_configuration
 from drawbar.errors import ConfigurationError
 from drawbar.experiment.experiment import Expectation, Experiment, find_experiments
+from drawbar.experiment.statistics import Statistic
 
 Write = Callable[[str], Experiment]
 
@@ -156,6 +158,15 @@ def test_an_expectation_holds_or_not() -> None:
     between = Expectation(at_least=1.0, at_most=3.0)
     assert [between.holds(mean) for mean in (0.9, 1.0, 3.0, 3.1, math.nan)] == [False, True, True, False, False]
     assert (str(near), str(limit), str(between)) == ("-50 ± 10 %", "≤ 3", "1 to 3")
+
+
+def test_a_limit_of_every_run_is_held_against_the_largest() -> None:
+    statistic = Statistic.of([1.0, 2.0, 6.0])
+    mean, every = Expectation(at_most=5.0), Expectation(at_most=5.0, in_every_run=True)
+    assert [limit.holds(limit.judged(statistic)) for limit in (mean, every)] == [True, False]
+    assert str(every) == "≤ 5 in every run"
+    with pytest.raises(ValidationError, match="in_every_run belongs to an at_most alone"):
+        Expectation(at_least=1.0, at_most=3.0, in_every_run=True)
 
 
 def test_experiments_are_found_by_name_by_path_and_all(

@@ -3,6 +3,7 @@
 import dataclasses
 import math
 import os
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -163,6 +164,24 @@ def test_results_and_report_say_what_was_missed(measured: MeasuredExperiment) ->
     assert f"| {named} | 2 | 1 | 2 | **1** |" in report
     assert "- **Missed**: 1 of 2 expected figures of *Two controllers*. The reason is not known." in report
     assert ", casadi " in report
+
+
+def test_the_report_shows_the_cases_of_two_experiments_side_by_side(measured: MeasuredExperiment) -> None:
+    folder = measured.experiment.folder
+    settings = measured.experiment.settings.model_copy(update={"side_by_side": ("tractor all", "trailer all")})
+    both = dataclasses.replace(measured, experiment=dataclasses.replace(measured.experiment, settings=settings))
+    write_results(both, [])
+    write_report(folder.parent)
+    report = folder.parent / "REPORT.md"
+    assert "side by side" not in report.read_text("utf-8"), "there is only one"
+    other = folder.parent / "other"
+    other.mkdir()
+    shutil.copy(folder / "summary.json", other)
+    write_report(folder.parent)
+    means = " / ".join(measured.statistic("slow", figure).text() for figure in settings.side_by_side)
+    text = report.read_text("utf-8")
+    assert "tractor all / trailer all, mean over the seeds" in text
+    assert f"| slow | {means} | {means} |" in text
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,10 @@ from drawbar.export import precision
 from drawbar.export.precision import single, single_text
 from drawbar.export.targets import Precision
 from drawbar.geometry import Floats
+from drawbar.guidance.importers.line import RecordedLine
 from drawbar.guidance.path import Path as DrivenPath
+from drawbar.guidance.settings import LineLimits
+from drawbar.guidance.smoothing import make_drivable
 from drawbar.report.path_errors import project_track
 from drawbar.signals import Command, Measurement, Status, Truth
 from drawbar.simulation import Simulation
@@ -118,6 +121,19 @@ class SingleAutopilot:
         status = self._library.drawbar_step(self._state, self._given, self._taken)
         return status, COMMAND.unpack(self._taken)
 
+    def line(self, points: Floats, limits: tuple[float, ...]) -> tuple[int, int, Floats]:
+        """Return what drawbar_line_path returns, what drawbar_set_path then does, and the nodes."""
+        given, room = points.astype(np.float32), 20_000
+        self._nodes, work, made = np.empty((room, 4), np.float32), np.empty((room, 6)), ctypes.c_int32()
+        arrays = (each.ctypes.data_as(ctypes.c_void_p) for each in (np.float32(limits), self._nodes, work))
+        status = self._library.drawbar_line_path(
+            given.ctypes.data_as(ctypes.c_void_p), len(given), *arrays, room, ctypes.byref(made)
+        )
+        assert self._library.drawbar_init(self._state) == 0
+        nodes = self._nodes.ctypes.data_as(ctypes.c_void_p)
+        taken = int(self._library.drawbar_set_path(self._state, nodes, made.value))
+        return status, taken, self._nodes[: made.value].astype(np.float64)
+
 
 def driven(simulation: Simulation, library: SingleAutopilot) -> tuple[Counter[int], Floats]:
     """Drive to the end; returns what the steps said, and (m, 4) the true places of both bodies, m."""
@@ -195,3 +211,23 @@ def test_far_from_the_origin(library: SingleAutopilot, build: Callable[..., Simu
 def test_a_path_too_far_from_the_origin_is_refused(library: SingleAutopilot, build: Callable[..., Simulation]) -> None:
     path = build("articulated").path
     assert library.begin(replace(path, nodes=path.nodes + np.array([0.0, 2e4, 0.0, 0.0]))) == Status.PATH
+
+
+@pytest.mark.parametrize("away", [0.0, FAR])
+def test_a_recorded_line_of_two_kilometres_becomes_its_path(library: SingleAutopilot, away: float) -> None:
+    """Whole numbers of centimetres, as the recorded points are the same in both precisions then."""
+    x = np.arange(0.0, 2000.0, 0.7)
+    points = np.round(np.column_stack([x, 8.0 * np.sin(x / 30.0)]), 2)
+    limits = (0.3, 0.3, 0.05)
+    line = RecordedLine(name="line", x=points[:, 0], y=points[:, 1], frame=None, repeated=0)
+    expected = make_drivable(line, LineLimits(curvature=limits[0], curvature_rate=limits[1], tolerance=limits[2]))
+    status, taken, nodes = library.line(points + away, limits)
+    assert (status, taken) == (0, Status.OK)
+    difference = np.max(np.abs(nodes - expected.path.nodes - [0.0, away, away, 0.0]), axis=0)
+    assert (difference < [5e-3, 1e-3, 1e-3, 1e-3]).all(), "m along, m east, m north, rad"
+
+
+def test_a_recorded_line_too_far_from_the_origin_is_refused(library: SingleAutopilot) -> None:
+    points = np.column_stack([np.arange(0.0, 50.0), np.zeros(50)])
+    assert library.line(points + 9_000.0, (0.3, 0.3, 0.05))[0] == 0
+    assert library.line(points + 10_000.0, (0.3, 0.3, 0.05))[0] == 2

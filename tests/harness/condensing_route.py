@@ -10,8 +10,8 @@ import casadi as ca
 import numpy as np
 
 from drawbar.geometry import Floats
-from drawbar.optimal.functions import LEVENBERG
 from drawbar.optimal.solver import ControlSolver, EstimationSolver
+from drawbar.optimal.solver_source import LEVENBERG
 from drawbar.optimal.transcription import Transcription, transcribe
 
 _UNBOUNDED = 1e30

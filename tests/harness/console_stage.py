@@ -1,4 +1,4 @@
-"""A console in memory: the gate's real desk and engagement behind it, a clock of its own, NiceGUI's simulated users."""
+"""A console in memory: the gate's real engagement behind it, a clock of its own, NiceGUI's simulated users."""
 
 import asyncio
 import functools
@@ -23,8 +23,8 @@ from drawbar.console.audit import Audit
 from drawbar.console.drawing import Lines
 from drawbar.console.instruments import Instruments
 from drawbar.console.link import Link
+from drawbar.console.next_drive import NextDrive
 from drawbar.console.pages import Pages
-from drawbar.console.workshop import Workshop
 from drawbar.driving.messaging.console_options import ConsoleOptions
 from drawbar.driving.stand_in.demonstration import with_stand_ins
 from drawbar.geometry import LocalFrame
@@ -32,9 +32,9 @@ from drawbar.guidance.figure_eight import figure_eights
 from drawbar.message_records import encode
 from drawbar.messages import ControllerState, Fixes
 from drawbar.safety.causes import Cause
-from drawbar.safety.desk import Desk
 from drawbar.safety.engagement import Engagement, Situation
 from drawbar.safety.gate_report import Actuation, Counts, Tick, gate_state
+from drawbar.safety.operator_requests import OperatorRequests
 from drawbar.safety.settings import SafetySettings
 
 HOST = "test"
@@ -58,14 +58,14 @@ class Stage:
     def __init__(self, audit=None, folder=None):
         self.settings = SafetySettings()
         self.engagement = Engagement(self.settings)
-        self.desk = Desk(self.settings, self.engagement)
+        self.requests = OperatorRequests(self.settings, self.engagement)
         self.now, self.sequence = 100 * 10**9, 0
         self.causes, self.standing, self.silent = set(), False, False
         self.sent = []
         self.configuration = load_configuration("articulated")
         self.link = Link(self._send, Audit(audit), lambda: self.now, self.configuration.vehicle)
         folder = folder or Path("nowhere")
-        self.workshop = Workshop(
+        self.next_drive = NextDrive(
             self.configuration,
             with_stand_ins(self.configuration),
             FRAME,
@@ -80,7 +80,7 @@ class Stage:
 
     def _send(self, message):
         self.sent.append(message)
-        self.desk.receive(self.time, message)
+        self.requests.receive(self.time, message)
 
     def run(self, duration, *watching):
         """Let time pass, s; pages that watch draw what they are sent, and say so, ten times a second."""
@@ -94,11 +94,11 @@ class Stage:
 
     def _tick(self):
         causes = set(self.causes)
-        if self.desk.age(self.time) > self.settings.drive.operator:
+        if self.requests.age(self.time) > self.settings.drive.operator:
             causes.add(Cause.NO_OPERATOR)
         self.engagement.update(
             self.time,
-            Situation(causes=tuple(causes), actions=self.desk.take(), taken=True, standing=self.standing),
+            Situation(causes=tuple(causes), actions=self.requests.take(), taken=True, standing=self.standing),
         )
         self.sequence += 1
         tick = Tick(
@@ -108,8 +108,8 @@ class Stage:
             angles=(math.nan, math.nan),
             speed_limit=1.0,
         )
-        state = gate_state(tick, self.engagement, self.desk, Counts(states=self.sequence), valid=1.0)
-        self.desk.show(state.sequence, state.time)
+        state = gate_state(tick, self.engagement, self.requests, Counts(states=self.sequence), valid=1.0)
+        self.requests.show(state.sequence, state.time)
         if not self.silent:
             self.link.receive(encode(state))
 
@@ -212,7 +212,7 @@ async def console(stage, users=None, **options):
         try:
             prepare_simulation()
             lines = Lines(figure_eights((8.0,), 20.0), 3.0)
-            pages = Pages(settings, stage.link, stage.workshop, STANDING, lines, users, stage.link._audit)
+            pages = Pages(settings, stage.link, stage.next_drive, STANDING, lines, users, stage.link._audit)
             pages.install()
             ui.run(storage_secret="simulated", reload=False, show=False)
             failure = None

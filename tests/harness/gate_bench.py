@@ -111,7 +111,7 @@ class FakeController:
         self.sent.append(record)
 
 
-class FakeDesk(FakeController):
+class FakeOperatorChannel(FakeController):
     """The operators' socket."""
 
     def __init__(self):
@@ -137,9 +137,9 @@ class Bench:
         self.transport, self.tractor = FakeTransport(), FakeSteering("tractor")
         self.trailer = FakeSteering("trailer") if trailer else None
         self.speed_actuator = FakeSpeed() if speed_actuator else None
-        self.channel, self.desk = FakeController(), FakeDesk()
+        self.channel, self.operators = FakeController(), FakeOperatorChannel()
         wire = Wire(transport=self.transport, tractor=self.tractor, trailer=self.trailer, speed=self.speed_actuator)
-        self.gate = Gate(self.settings, bounds, [wire], self.channel, self.desk)
+        self.gate = Gate(self.settings, bounds, [wire], self.channel, self.operators)
         self.speed = 1.0
         self.controller = {}
         """changes of the controller's state; None: it says nothing"""
@@ -147,7 +147,7 @@ class Bench:
         """changes of its command; None: it gives none"""
         self.follows = True
         """the controller's mode follows the gate's state"""
-        self.recorder, self.guard, self.operator, self.late = 1, True, True, 0.0
+        self.recorder, self.guard, self.operator, self.late = 1, 1, True, 0.0
 
     # what is sent
 
@@ -174,14 +174,14 @@ class Bench:
         return encode(CommandMessage(**{**values, **self.command, **changes}))
 
     def ask(self, action, value=0.0, **changes):
-        """Put an operator's message on the desk; it is heard at the next tick."""
+        """Let an operator's message arrive; it is received at the next tick."""
         self.nonce += 1
         shown = self.shown
         values = dict(  # noqa: C408
             time=self.ns(), valid_until=self.ns(self.time + 1.0), action=action, lease=self.lease, nonce=self.nonce,
             seen_sequence=shown.sequence if shown else 0, seen_time=shown.time if shown else 0, value=value,
         )  # fmt: skip
-        self.desk.waiting.append(encode(OperatorMessage(**{**values, **changes})))
+        self.operators.waiting.append(encode(OperatorMessage(**{**values, **changes})))
 
     # what is seen
 
@@ -191,7 +191,7 @@ class Bench:
 
     @property
     def shown(self):
-        return decode(self.desk.sent[-1], GateState) if self.desk.sent else None
+        return decode(self.operators.sent[-1], GateState) if self.operators.sent else None
 
     @property
     def cause(self):
@@ -208,10 +208,12 @@ class Bench:
             beat = Heartbeat(
                 time=self.ns(), valid_until=self.ns(), role=Role.RECORDER, healthy=self.recorder, state=self.state
             )
-            self.desk.waiting.append(encode(beat))
-        if self.guard:
-            beat = Heartbeat(time=self.ns(), valid_until=self.ns(), role=Role.GUARD, healthy=1, state=self.state)
-            self.desk.waiting.append(encode(beat))
+            self.operators.waiting.append(encode(beat))
+        if self.guard is not None:
+            beat = Heartbeat(
+                time=self.ns(), valid_until=self.ns(), role=Role.GUARD, healthy=self.guard, state=self.state
+            )
+            self.operators.waiting.append(encode(beat))
         if self.operator:
             self.ask(Action.PRESENT)
         return self.gate.receive(self.time)

@@ -8,7 +8,7 @@ import sys
 import time as clock
 
 from drawbar.protocols.actuator import Readiness, SteeringActuator, SteeringReport
-from drawbar.safety.channels import ControllerChannel, DeskChannel, open_desk
+from drawbar.safety.channels import ControllerChannel, OperatorChannel, open_operator_socket
 from drawbar.safety.envelope import Bounds
 from drawbar.safety.gate_process import run
 from drawbar.safety.machine_gate import Gate
@@ -73,7 +73,7 @@ def main(order):
         bounds,
         [Wire(transport=Udp(order["port"]), tractor=Steering(order.get("fails_at")))],
         ControllerChannel(socket.socket(fileno=order["controller"])),
-        DeskChannel(open_desk(order["desk"]), tuple(order["subscribers"])),
+        OperatorChannel(open_operator_socket(order["operators"]), tuple(order["subscribers"])),
     )
     if order.get("fails_at") == "tick":
         publish = gate._publish

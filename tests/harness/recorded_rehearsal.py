@@ -75,6 +75,7 @@ def _record_controller(rehearsal, log, commands):
 
     def record_recorded(step):
         log.add_step(rehearsal.now, step)
+        log.flush()
         record(step)
 
     def receive_recorded(state):

@@ -4,13 +4,8 @@ from collections.abc import Callable
 
 import pytest
 
-from drawbar.machine.settings import (
-    CrabProcess,
-    GroundSettings,
-    SensorSettings,
-    SimulatedMachineSettings,
-    SlipProcess,
-)
+from drawbar.machine.sensor_settings import SensorSettings
+from drawbar.machine.settings import CrabProcess, GroundSettings, SimulatedMachineSettings, SlipProcess
 from drawbar.machine.simulated import SimulatedMachine
 from drawbar.signals import Command, Pose, Truth
 from drawbar.vehicle.parameters import VehicleParameters

@@ -7,7 +7,8 @@ import pytest
 from pydantic import ValidationError
 
 from drawbar.machine.events import Bump, GpsLoss
-from drawbar.machine.settings import SimulatedMachineSettings, whole_steps
+from drawbar.machine.settings import SimulatedMachineSettings
+from drawbar.machine.steps import whole_steps
 
 LOSS = {"kind": "gps_loss", "start": 1.0, "duration": 2.0}
 

@@ -9,13 +9,8 @@ import pytest
 
 from drawbar.errors import ConfigurationError, HardwareError
 from drawbar.machine.events import Bump, Event, GpsJump, GpsLoss, SideSlope, SlipStep
-from drawbar.machine.settings import (
-    CrabProcess,
-    GroundSettings,
-    LengthFactors,
-    SensorSettings,
-    SimulatedMachineSettings,
-)
+from drawbar.machine.sensor_settings import SensorSettings
+from drawbar.machine.settings import CrabProcess, GroundSettings, LengthFactors, SimulatedMachineSettings
 from drawbar.machine.simulated import SimulatedMachine
 from drawbar.signals import Command, Measurement, Pose, Truth
 from drawbar.vehicle.parameters import VehicleParameters

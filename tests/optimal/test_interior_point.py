@@ -5,6 +5,9 @@ from itertools import product
 import numpy as np
 import pytest
 
+from drawbar.benchmark.hostile.collection import hostile_problem
+from drawbar.benchmark.hostile.solvers import drawbar
+from drawbar.benchmark.hostile.verdict import Verdict, judge
 from drawbar.geometry import Floats
 from drawbar.optimal.quadratic_program import QuadraticProgram, Sizes
 from drawbar.signals import SolverStatus
@@ -65,3 +68,17 @@ def test_free_first_state_that_costs_nothing() -> None:
     assert program.solve() == SolverStatus.SOLVED
     inputs: Floats = program.array("z")[48:]
     np.testing.assert_array_equal(inputs, 0.0)
+
+
+@pytest.mark.parametrize("number", [331, 783, 1121])
+def test_a_flat_cost_is_drawn_to_its_bounds_no_harder_than_it_takes(number: int) -> None:
+    """Drawn in by as much as its minimum was far out, it began with multipliers of 1e20."""
+    truth = hostile_problem("drawn", number)
+    assert judge(truth, drawbar(truth.problem)) == Verdict.SOLVED
+
+
+@pytest.mark.parametrize("number", [190, 302, 562])
+def test_damping_gives_way_to_what_the_cost_hardly_determines(number: int) -> None:
+    """A curvature of 1e-9 beside damping of 1e-8: each iteration left nine tenths of the residual."""
+    truth = hostile_problem("drawn", number)
+    assert judge(truth, drawbar(truth.problem)) == Verdict.SOLVED

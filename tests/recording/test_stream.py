@@ -83,6 +83,40 @@ def record(file: BytesIO, place: int, kind: Any) -> Any:
     return kind.read(ReadDataStream(file))
 
 
+class InterruptedFrame:
+    """The frame of a record, at whose fifth look the keyboard interrupts."""
+
+    size = FRAME.size
+
+    def __init__(self) -> None:
+        self.looks = 0
+
+    def unpack_from(self, records: bytes, place: int) -> tuple[Any, ...]:
+        self.looks += 1
+        if self.looks == 5:
+            raise KeyboardInterrupt
+        return FRAME.unpack_from(records, place)
+
+
+def test_a_chunk_whose_end_is_interrupted_is_whole_when_it_is_ended_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(chunk, "CHUNK_BYTES", 10_000)
+    file = BytesIO()
+    writer = ChunkedWriter(file, "drawbar", LEVEL)
+    channels = [writer.add_channel(topic, "json", 0) for topic in ("/a", "/b")]
+    sent = [(i % 2, i, bytes([i]) * (i + 1)) for i in range(20)]
+    for channel, number, data in sent:
+        writer.add_message(channels[channel], data, sequence=number, log_time=number, publish_time=number)
+    monkeypatch.setattr(chunk, "FRAME", InterruptedFrame())
+    with pytest.raises(KeyboardInterrupt) as interrupt:  # holds what the interrupted function held
+        writer.finish()
+    monkeypatch.setattr(chunk, "FRAME", FRAME)
+    writer.finish()
+    assert interrupt.value is not None
+    file.seek(0)
+    found = sorted((each.publish_time, each.data) for each in read_records(file))
+    assert found == [(number, data) for _, number, data in sent]
+
+
 @BOTH
 def test_a_file_cut_at_any_byte_has_the_chunks_before_it(level: int | None) -> None:
     data = written(3, level=level).getvalue()

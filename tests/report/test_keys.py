@@ -56,6 +56,11 @@ def test_units_ranges_and_meanings_are_those_of_the_declarations() -> None:
     assert [key.allowed for key in keys.values() if key.name.endswith("pulses_per_metre")] == ["number, or left out"]
 
 
+def test_a_section_that_may_be_left_out_is_called_one() -> None:
+    keys = {key.name: key for section in sections(load_configuration("articulated")) for key in section.keys}
+    assert keys["devices"].allowed == "section, or left out"
+
+
 def test_every_number_has_a_meaning() -> None:
     without = [key.name for section in sections() for key in section.keys if not key.meaning and not key.unit]
     assert not [name for name in without if name.rpartition(".")[2] not in ("model", "kind")]

@@ -165,3 +165,13 @@ def test_a_run_that_begins_beside_the_crossing_is_judged_on_the_branch_that_it_f
     for body, errors in (("tractor", true.tractor), ("trailer", true.trailer)):
         estimated = np.array([getattr(record.reference, body).lateral_error for record in log.records])
         assert np.abs(errors.error - estimated).max() < 0.2
+
+
+def test_a_body_behind_the_path_is_found_there_although_the_first_estimate_was_elsewhere() -> None:
+    path = driven(nudge=0.0).header.path.path()
+    along = np.arange(-6.0, 60.0, 0.2)
+    near = np.maximum(along, 0.0)
+    near[0] = 4.0  # a first yaw that is wrong by half a turn puts the trailer ahead of the tractor
+    found = _project_stretches(path, path.sample(along)[:, :2], near, np.zeros(len(along), dtype=bool))
+    np.testing.assert_allclose(found.error, 0.0, atol=1e-6)
+    np.testing.assert_allclose(found.progress, along, atol=1e-3)

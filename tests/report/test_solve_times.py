@@ -47,3 +47,13 @@ def test_the_figure_draws_the_solvers_that_there_are(without):
 
 def test_the_figure_of_no_solver_is_empty(without):
     assert solve_time_figure(without("estimator", "tractor", "trailer"))["data"] == []
+
+
+@pytest.mark.parametrize(("longest", "ticks"), [(50e-6, [1, 2, 5, 10, 20, 50, 100]), (50e-3, [1, 10, 100])])
+def test_every_time_on_the_axis_has_all_its_digits(make_run, longest, ticks):
+    times = SolveTimes(prepare=1e-6, feedback=longest)
+    log = make_run(steps=50)
+    log = replace(log, records=tuple(replace(record, tractor_times=times) for record in log.records))
+    axis = solve_time_figure(log)["layout"]["xaxis"]
+    assert [tick for tick in axis["tickvals"] if 1 <= tick <= 100] == ticks
+    assert axis["tickformat"] == "~g"

@@ -8,11 +8,11 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 COVERED = (
     *("envelope", "following", "speeds", "machine_gate", "gate_report", "gate_process", "wires", "channels"),
-    *("engagement", "conditions", "causes", "desk", "watch", "selftest"),
+    *("engagement", "conditions", "causes", "operator_requests", "watch", "selftest"),
 )
 TESTS = (
     *("engagement", "envelope", "selftest", "speeds", "following"),
-    *("machine_gate", "desk", "gate_channels", "watch", "gate_loop"),
+    *("machine_gate", "operator_requests", "gate_channels", "watch", "gate_loop"),
 )
 ENDINGS = ("what_ends_driving_releases_in_time_and_for_good", "it_recovers_when_the_cause_is_gone")
 """those of test_gate_endings.py that reach something more; all of them take a minute under coverage"""

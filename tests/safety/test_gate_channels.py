@@ -10,7 +10,13 @@ from gate_bench import FakeSteering, FakeTransport
 from drawbar.errors import HardwareError
 from drawbar.protocols.actuator import SteeringReport, SteeringRequest
 from drawbar.protocols.speed_actuator import SpeedReport, SpeedRequest
-from drawbar.safety.channels import SUBSCRIBERS, ControllerChannel, DeskChannel, controller_pair, open_desk
+from drawbar.safety.channels import (
+    SUBSCRIBERS,
+    ControllerChannel,
+    OperatorChannel,
+    controller_pair,
+    open_operator_socket,
+)
 from drawbar.safety.wires import Wire, Wires
 from drawbar.transports.base import CanBus, CanFrame
 
@@ -63,8 +69,8 @@ def test_a_controller_that_does_not_read_is_not_waited_for(pair):
 
 
 @pytest.fixture
-def desk(tmp_path):
-    channel = DeskChannel(open_desk(str(tmp_path / "desk")), (str(tmp_path / "fixed"),))
+def operators(tmp_path):
+    channel = OperatorChannel(open_operator_socket(str(tmp_path / "operators")), (str(tmp_path / "fixed"),))
     yield channel, tmp_path
     channel.close()
 
@@ -76,38 +82,38 @@ def front_end(folder, name):
     return front
 
 
-def test_the_desk_is_for_its_user_alone_and_takes_the_place_of_an_old_one(tmp_path):
-    path = str(tmp_path / "desk")
+def test_the_operators_socket_is_for_its_user_alone_and_takes_the_place_of_an_old_one(tmp_path):
+    path = str(tmp_path / "operators")
     before = os.umask(0o022)
     os.umask(before)
     for _ in range(2):
-        open_desk(path).close()
+        open_operator_socket(path).close()
         assert stat.S_IMODE(os.stat(path).st_mode) == 0o600
     assert os.umask(before) == before, "others' files are made as before"
 
 
-def test_a_desk_that_cannot_be_is_refused_with_what_to_do(tmp_path):
+def test_an_operators_socket_that_cannot_be_is_refused_with_what_to_do(tmp_path):
     (tmp_path / "file").write_text("somebody's")
-    for path in (tmp_path / "file", tmp_path / "none" / "desk", tmp_path / ("x" * 120)):
+    for path in (tmp_path / "file", tmp_path / "none" / "operators", tmp_path / ("x" * 120)):
         with pytest.raises(HardwareError, match="Give the path of a new file"):
-            open_desk(str(path))
+            open_operator_socket(str(path))
     assert (tmp_path / "file").read_text() == "somebody's"
 
 
-def test_what_is_sent_to_the_desk_comes_with_its_sender(desk):
-    channel, folder = desk
+def test_what_operators_send_comes_with_its_sender(operators):
+    channel, folder = operators
     with front_end(folder, "front") as front, socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as nameless:
-        front.sendto(b"a", str(folder / "desk"))
-        nameless.sendto(b"b", str(folder / "desk"))
-        front.sendto(b"c", str(folder / "desk"))
+        front.sendto(b"a", str(folder / "operators"))
+        nameless.sendto(b"b", str(folder / "operators"))
+        front.sendto(b"c", str(folder / "operators"))
         assert channel.receive(2) == [(b"a", str(folder / "front")), (b"b", "")]
         assert channel.receive(2) == [(b"c", str(folder / "front"))]
         assert channel.receive(2) == []
     assert channel.fileno() > 0
 
 
-def test_states_go_to_those_given_at_the_start_and_to_senders_until_they_are_gone(desk):
-    channel, folder = desk
+def test_states_go_to_those_given_at_the_start_and_to_senders_until_they_are_gone(operators):
+    channel, folder = operators
     channel.publish(b"nobody is there yet")
     fixed, front = front_end(folder, "fixed"), front_end(folder, "front")
     for sender in (str(folder / "front"), "", str(folder / "fixed")):
@@ -128,8 +134,8 @@ def test_states_go_to_those_given_at_the_start_and_to_senders_until_they_are_gon
     fixed.close()
 
 
-def test_subscribers_are_bounded_and_slow_ones_are_not_waited_for(desk):
-    channel, folder = desk
+def test_subscribers_are_bounded_and_slow_ones_are_not_waited_for(operators):
+    channel, folder = operators
     fronts = [front_end(folder, f"front{index}") for index in range(SUBSCRIBERS + 1)]
     for index in range(SUBSCRIBERS + 1):
         channel.subscribe(str(folder / f"front{index}"))

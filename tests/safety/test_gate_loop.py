@@ -117,13 +117,13 @@ def test_it_wakes_when_the_command_expires():
     bench = Bench().drive()
     waits = []
     clock = SimpleNamespace(wait=lambda descriptors, duration: waits.append(duration))
-    bench.transport.fileno = bench.channel.fileno = bench.desk.fileno = lambda: 5
+    bench.transport.fileno = bench.channel.fileno = bench.operators.fileno = lambda: 5
     gate_process._wait(bench.gate, clock, bench.time, bench.time + 9.0)
     assert waits[-1] == pytest.approx(0.2, abs=1e-4)
     gate_process._wait(bench.gate, clock, bench.time + 5.0, bench.time + 9.0)
     assert waits[-1] <= 0.0
     resting = Bench().run()
-    resting.transport.fileno = resting.channel.fileno = resting.desk.fileno = lambda: 5
+    resting.transport.fileno = resting.channel.fileno = resting.operators.fileno = lambda: 5
     gate_process._wait(resting.gate, clock, resting.time, resting.time + 9.0)
     assert waits[-1] == pytest.approx(9.0)
     resting.transport.fileno = lambda: -1

@@ -22,7 +22,8 @@ import pytest
 from waiting import until
 
 from drawbar.driving.messaging.endpoint import Endpoint
-from drawbar.driving.messaging.process_options import GATE, GateOptions
+from drawbar.driving.messaging.lent_sockets import lend
+from drawbar.driving.messaging.process_options import GATE, LENT, GateOptions
 from drawbar.driving.processes.guard_main import OFF
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.message_records import decode, encode
@@ -62,14 +63,14 @@ class Machine:
 
     def __init__(self, folder, **order):
         self.folder, self.nonce, self.state = folder, 0, None
-        self.wire = UdpTransport(UdpAddress(host="127.0.0.1", port=0))
+        self.wire, self.lent = (UdpTransport(UdpAddress(host="127.0.0.1", port=0)) for _ in range(2))
         self.front = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
         self.front.bind(str(folder / "front"))
         self.front.setblocking(False)
         gate_end, controller_end = controller_pair()
         settings = SafetySettings.model_validate(CHANGES)
         order |= {
-            "port": self.wire.port, "controller": gate_end.fileno(), "desk": str(folder / "desk"),
+            "port": self.wire.port, "controller": gate_end.fileno(), "operators": str(folder / "operators"),
             "subscribers": [str(folder / "front"), str(folder / "guard")], "settings": CHANGES,
         }  # fmt: skip
         self.gate = self._start("gate_runner.py", gate_end, json.dumps(order))
@@ -116,7 +117,7 @@ class Machine:
 
     def send(self, message):
         with contextlib.suppress(OSError):  # a gate that is ending does not listen
-            self.front.sendto(encode(message), str(self.folder / "desk"))
+            self.front.sendto(encode(message), str(self.folder / "operators"))
 
     def come_to(self, state, seconds=20.0):
         end = time.monotonic() + seconds
@@ -138,6 +139,7 @@ class Machine:
             process.kill()
             process.wait(WAIT)
         self.wire.close()
+        self.lent.close()
         self.front.close()
 
 
@@ -172,12 +174,21 @@ def guarded(machine):
             folder=str(driving.folder), safety=SafetySettings(), controller=0, wheelbase=1.4, tractor_limit=0.5,
             trailer_limit=0.3, tractor_board=board, trailer_board=None, isobus=None,
         )  # fmt: skip
-        heard = Endpoint(str(driving.folder / GATE))  # where it says what it knows of the gate
+        heard, knows = Endpoint(str(driving.folder / GATE)), []  # where it says what it knows of the gate
         command = [sys.executable, "-m", "drawbar.driving.processes.guard_main"]
         guards.append(subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.DEVNULL))
         guards[-1].stdin.write(options.model_dump_json().encode())
         guards[-1].stdin.close()
-        until(lambda: any(decode(each, Heartbeat).state in HEARD_OF for each in heard.receive()))
+        until((driving.folder / LENT).exists)
+
+        def hears():
+            knows.extend(decode(each, Heartbeat) for each in heard.receive())
+            return knows and knows[-1].state in HEARD_OF
+
+        until(hears)
+        assert not knows[-1].healthy, "it has no socket yet"
+        lend(str(driving.folder / LENT), "tractor", driving.lent.fileno())
+        until(lambda: hears() and knows[-1].healthy)
         heard.close()
         return driving, guards[-1]
 
@@ -204,6 +215,7 @@ def guards_off(machine, start):
     while select.select([machine.wire], [], [], 2.0)[0]:
         for piece in machine.wire.read():
             if piece.data == OFF:
+                assert piece.source == f"127.0.0.1:{machine.lent.port}", "AiO_26 obeys no other port than the gate's"
                 return piece.time - start
     raise AssertionError("the guard said nothing")
 
@@ -288,7 +300,7 @@ def test_garbage_from_all_sides_neither_ends_it_nor_steers(machine):
         garbage = chance.randbytes(chance.randint(0, 300))
         while True:
             try:
-                driving.front.sendto(garbage, str(driving.folder / "desk"))
+                driving.front.sendto(garbage, str(driving.folder / "operators"))
                 break
             except BlockingIOError:  # a busy machine: the gate has not read what came before
                 time.sleep(0.001)

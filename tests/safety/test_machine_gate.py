@@ -185,12 +185,12 @@ def test_a_look_is_urgent_only_while_it_steers():
 
 def test_frames_and_records_that_are_dropped_are_counted():
     bench = Bench()
-    bench.desk.waiting += [b"garbage", encode(bench_command())]
+    bench.operators.waiting += [b"garbage", encode(bench_command())]
     bench.transport.waiting = [Received(time=100.0, data=b"x", source="1.2.3.4:5")]
     bench.run()
     assert bench.shown.dropped == 2 + 2, "two records, and one frame of each actuator"
     assert bench.tractor.received == [(100.0, b"x", "1.2.3.4:5")]
-    assert set(bench.desk.subscribed) == {"front"}
+    assert set(bench.operators.subscribed) == {"front"}
 
 
 def bench_command():
@@ -199,7 +199,7 @@ def bench_command():
 
 def test_its_state_goes_to_the_controller_and_to_all_others():
     bench = Bench().run(0.5)
-    assert bench.channel.sent == bench.desk.sent
+    assert bench.channel.sent == bench.operators.sent
     states = [decode(record, GateState) for record in bench.channel.sent]
     assert [state.sequence for state in states] == list(range(10))
     assert all(state.valid_until - state.time == 10**9 for state in states)
@@ -224,7 +224,7 @@ def test_the_recorder_must_live_and_write():
     bench.run(0.1)
     assert Cause.NOT_RECORDING.value not in bench.shown.refusals
     bench.recorder = None
-    bench.desk.waiting.append(
+    bench.operators.waiting.append(
         encode(Heartbeat(time=1, valid_until=1, role=Role.RECEIVERS, healthy=1, state=SupervisorState.READY))
     )
     bench.run(1.1)
@@ -247,11 +247,12 @@ def test_the_guard_must_live():
     bench.ask(Action.ARM)
     bench.run(0.2)
     assert bench.state is SupervisorState.STANDBY
-    bench = driving()
-    bench.guard = None
-    bench.run(5.0)
-    assert bench.state is ACTIVE, "control goes on without it"
-    assert bench.shown.refusals[0] == Cause.NOT_GUARDED.value, "and the operator is told"
+    for guard in (None, 0):
+        bench = driving()
+        bench.guard = guard
+        bench.run(5.0)
+        assert bench.state is ACTIVE, "control goes on without it, and without the boards' sockets"
+        assert bench.shown.refusals[0] == Cause.NOT_GUARDED.value, "and the operator is told"
 
 
 def test_the_emergency_stop_must_have_been_tried():
@@ -338,7 +339,7 @@ def test_two_wires_and_their_faults_are_apart():
     gate = Gate(
         bench.settings, BOUNDS,
         [Wire(transport=b.transport, **{n: getattr(b, n)}) for b, n in ((other, "tractor"), (bench, "trailer"))],
-        bench.channel, bench.desk,
+        bench.channel, bench.operators,
     )  # fmt: skip
     gate.receive(bench.time)
     gate.tick(bench.time)

@@ -1,3 +1,4 @@
+import math
 import re
 from collections.abc import Callable
 from typing import Any
@@ -48,6 +49,7 @@ TWICE = {"x": SYMBOL, "u": SYMBOL, "derivative": SYMBOL, "output": SYMBOL}
         ({"derivative": ca.SX(1, 2)}, "declares 1 states but the expression has shape (1, 2)"),
         ({"u": ca.SX.sym("u", 2)}, "declares 1 inputs"),
         ({"inputs": (), "u": ca.SX(0, 1), "derivative": ca.SX(1, 1)}, "at least one state and one input"),
+        ({"derivative": ca.SX(math.sin(SYMBOL))}, "NaN in its expressions"),
         ({"derivative": ca.SX.sym("ghost")}, "neither state, input, parameter nor constant: ['ghost']"),
         ({"derivative": ca.SX.sym("position")}, "neither state, input, parameter nor constant: ['position']"),
         ({"inputs": variables(position="m/s")}, "declares 'position' more than once"),

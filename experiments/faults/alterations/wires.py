@@ -154,7 +154,7 @@ def controller_late(trial):
 
 
 def operator_garbage(trial):
-    """Let everything for the desk be followed by a hundred datagrams of nonsense."""
+    """Let every operator's message be followed by a hundred datagrams of nonsense."""
     trial.alter_links(
         ["operator"],
         lambda chance, start: (

@@ -21,6 +21,10 @@ from drawbar.machine.settings import HydrostatSettings
 
 _RATE = math.radians(25.0)
 _STOP = math.radians(40.0)
+_PERIOD, _SPEED_PERIOD = 0.02, 0.05
+"""of both loops, s"""
+_DURATION, _SPEED_DURATION = 3.0, 20.0
+"""of a step, s"""
 _DEAD_TIME = 0.04
 _VALVE = ValveSettings()
 _HYDROSTAT = HydrostatSettings(full_speed=3.0, speed_lag=0.8, pedal_rate=0.8, pedal_lag=0.05)
@@ -93,31 +97,31 @@ ANGLE_CASES = (
 )
 
 
-def drive_angle(case: AngleCase, *, period: float = 0.02, duration: float = 3.0) -> AngleFigures:
+def drive_angle(case: AngleCase) -> AngleFigures:
     """Return how a loop follows a step."""
     loop = PositionLoopSettings(**({"compensation": 0.0, "stop_zone": 0.0} | case.loop))
     low_level = LowLevel(front=SteeringAxis(sensor=_sensor(case.resolution), loop=loop, limit=_STOP))
     valve = SimulatedValve(_VALVE, full_rate=_RATE, stop=_STOP, dead_time=_DEAD_TIME)
     angles, drives = [valve.angle], []
-    for i in range(round(duration / period)):
+    for i in range(round(_DURATION / _PERIOD)):
         given = ActuateInput(
-            time=period * i,
+            time=_PERIOD * i,
             measured_speed=1.0,
             counts=(round(valve.angle / case.resolution), 0.0, 0.0),
             steering=(case.amplitude, 0.0),
             steer=(True, False),
         )
         drives.append(low_level.step(given).drives[0])
-        valve.advance(drives[-1], period)
+        valve.advance(drives[-1], _PERIOD)
         angles.append(valve.angle)
-    return _angle_figures(np.array(angles), drives, case.amplitude, period)
+    return _angle_figures(np.array(angles), drives, case.amplitude)
 
 
-def _angle_figures(angles: Floats, drives: Sequence[float], amplitude: float, period: float) -> AngleFigures:
-    last = angles[round(2.0 / period) :]
+def _angle_figures(angles: Floats, drives: Sequence[float], amplitude: float) -> AngleFigures:
+    last = angles[round(2.0 / _PERIOD) :]
     signs = [math.copysign(1.0, drive) for drive in drives if drive]
     return AngleFigures(
-        t90=period * int(np.argmax(angles >= 0.9 * amplitude)) if angles.max() >= 0.9 * amplitude else math.nan,
+        t90=_PERIOD * int(np.argmax(angles >= 0.9 * amplitude)) if angles.max() >= 0.9 * amplitude else math.nan,
         overshoot=max(0.0, float(angles.max()) - amplitude),
         rest=amplitude - float(last.mean()),
         swing=float(np.ptp(last)) / 2.0,
@@ -157,23 +161,23 @@ SPEED_CASES = (
 )
 
 
-def drive_speed(case: SpeedCase, *, period: float = 0.05, duration: float = 20.0) -> SpeedFigures:
+def drive_speed(case: SpeedCase) -> SpeedFigures:
     """Return how a cascade reaches 1.5 m/s from rest, and holds it on a hill."""
     low_level = LowLevel(pedal=_speed_axis(case))
     hydrostat = SimulatedHydrostat(_HYDROSTAT, dead_time=0.0)
     speeds = [hydrostat.speed]
-    for i in range(round(duration / period)):
+    for i in range(round(_SPEED_DURATION / _SPEED_PERIOD)):
         given = ActuateInput(
-            time=period * i,
+            time=_SPEED_PERIOD * i,
             measured_speed=0.02 * round(hydrostat.speed / 0.02),
             counts=(0.0, 0.0, hydrostat.pedal / _FINE),
             speed=_WANTED,
             drive=True,
         )
         drive = low_level.step(given).drives[2]
-        hydrostat.advance(drive, _HILL if period * i >= _HILL_FROM else 0.0, period)
+        hydrostat.advance(drive, _HILL if _SPEED_PERIOD * i >= _HILL_FROM else 0.0, _SPEED_PERIOD)
         speeds.append(hydrostat.speed)
-    return _speed_figures(np.array(speeds), period)
+    return _speed_figures(np.array(speeds))
 
 
 def _speed_axis(case: SpeedCase) -> SpeedAxis:
@@ -191,13 +195,13 @@ def _speed_axis(case: SpeedCase) -> SpeedAxis:
     return SpeedAxis(sensor=_sensor(_FINE), loop=pedal, speed=speed, full_speed=_HYDROSTAT.full_speed)
 
 
-def _speed_figures(speeds: Floats, period: float) -> SpeedFigures:
-    hill = round(_HILL_FROM / period)
+def _speed_figures(speeds: Floats) -> SpeedFigures:
+    hill = round(_HILL_FROM / _SPEED_PERIOD)
     outside = np.flatnonzero(np.abs(speeds[hill:] - _WANTED) > 0.05 * _WANTED)
     return SpeedFigures(
         overshoot=max(0.0, float(speeds[:hill].max()) / _WANTED - 1.0),
-        dip=_WANTED - float(speeds[hill : hill + round(5.0 / period)].min()),
-        back=period * (int(outside[-1]) + 1) if len(outside) else 0.0,
+        dip=_WANTED - float(speeds[hill : hill + round(5.0 / _SPEED_PERIOD)].min()),
+        back=_SPEED_PERIOD * (int(outside[-1]) + 1) if len(outside) else 0.0,
         speeds=speeds,
     )
 

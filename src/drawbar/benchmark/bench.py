@@ -128,8 +128,11 @@ def show(console: Console, figures: dict[str, Any]) -> None:
     alone, logged = (f"{figures[key]:.0f}" for key in ("real_time_factor", "real_time_factor_logged"))
     console.print(f"real-time factor of a whole run, simulation included: {alone}, with its log {logged}")
     start = figures["start_up"]
-    for text, key in {"import drawbar": "import", "a run's first step": "first_step"}.items():
+    waits = {
+        "import drawbar, warm": "import",
+        "a run's first step, warm": "first_step",
+        "a run's first step, solvers to be compiled": "cold_first_step",
+    }
+    for text, key in waits.items():
         wall, cpu = (start[f"{key}{suffix}"] for suffix in ("_s", "_cpu_s"))
-        console.print(
-            f"from a process' start to {text}, warm: {wall:.2f} s, of the processor {cpu:.2f} s", highlight=False
-        )
+        console.print(f"from a process' start to {text}: {wall:.2f} s, of the processor {cpu:.2f} s", highlight=False)

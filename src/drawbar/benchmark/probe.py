@@ -12,6 +12,7 @@ from drawbar.codegen.library import load
 from drawbar.optimal import SolverUnit
 from drawbar.optimal.problem import ControlProblem, EstimationProblem
 from drawbar.optimal.solver import ControlSolver, EstimationSolver
+from drawbar.optimal.solver_source import introspection
 from drawbar.optimal.transcription import transcribe
 from drawbar.signals import SolverStatus
 from drawbar.step.library import StepLibrary
@@ -49,7 +50,7 @@ class Probe:
         self.iterations: list[int] = []
         memory = self.solver.workspace.memory
         self._live = component.live.memory[: memory.size]
-        alone = build(transcription.name, self.solver.source + transcription.introspection())
+        alone = build(transcription.name, self.solver.source + introspection(transcription))
         self._watch = Stopwatch(alone, memory, repeats=REPEATS)
         floor = build_floor(transcription)
         self._floor_data = Workspace(floor)

@@ -18,7 +18,7 @@ def config(
     name: Annotated[
         str,
         typer.Argument(
-            metavar="[CONFIG]",
+            metavar="CONFIG",
             help=f"show the values of a TOML file or shipped name: {', '.join(shipped_names())}; "
             f"without it all keys with their defaults",
         ),

@@ -52,8 +52,10 @@ def console(
 
 
 def console_user(
-    file: Annotated[Path, typer.Argument(help="of the users; a new one is made readable for you alone")],
-    name: Annotated[str, typer.Argument(help="of the user")],
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", help="of the users; a new one is made readable for you alone")
+    ],
+    name: Annotated[str, typer.Argument(metavar="NAME", help="of the user")],
     rank: Annotated[
         Literal["viewer", "operator", "maintainer"], typer.Option(help="what the user may do")
     ] = "operator",

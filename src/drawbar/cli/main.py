@@ -1,7 +1,9 @@
 """The program: puts the commands together and turns every expected error into one message."""
 
 import errno
+import inspect
 import sys
+from collections.abc import Callable
 from typing import Annotated
 
 import typer
@@ -32,9 +34,16 @@ _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EIO)
 """what is wrong where output cannot be written; such an error names no file"""
 DRIVING = (run, drive, console, check, calibrate, stand_in)
 LOOKING = (report, replay, identify, config, events, tube, path, export, bench, experiment, tune)
+
+
+def _paragraphs(command: Callable[..., None]) -> str:
+    """Return a command's docstring with a line for each paragraph: typer breaks lines where the source does."""
+    return "\n\n".join(" ".join(each.split()) for each in (inspect.getdoc(command) or "").split("\n\n"))
+
+
 for command in (*DRIVING, *LOOKING):
-    app.command()(command)
-app.command("console-user")(console_user)
+    app.command(help=_paragraphs(command))(command)
+app.command("console-user", help=_paragraphs(console_user))(console_user)
 app.add_typer(log, name="log")
 
 

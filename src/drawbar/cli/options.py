@@ -97,9 +97,13 @@ def configured(source: str, path: str | None, track: str, changes: Sequence[str]
 
 @contextmanager
 def compiling() -> Iterator[None]:
-    """Show on the console that, and how far, something is compiled."""
+    """Show on the console that, and how far, something is compiled; in a file or pipe one line, where it is."""
     from drawbar.codegen import watch_compilation
 
+    if not console.is_terminal:
+        with watch_compilation(lambda done, _: None if done else console.print("compiling the control step, once …")):
+            yield
+        return
     text = "making the control step ready, the first time by compiling it …"
     with console.status(text) as status, watch_compilation(lambda *of: status.update(f"{text} {of[0]} of {of[1]}")):
         yield

@@ -10,7 +10,7 @@ from drawbar.cli.options import Cluster, ConfigurationName, Jobs, changing, cons
 
 def tune(
     configuration: ConfigurationName,
-    more: Annotated[list[str] | None, typer.Argument(metavar="[KEY=LOW..HIGH ...]", show_default=False)] = None,
+    more: Annotated[list[str] | None, typer.Argument(metavar="KEY=LOW..HIGH", help="more of --parameters")] = None,
     parameters: Annotated[
         list[str] | None,
         typer.Option(

@@ -17,14 +17,14 @@ from pathlib import Path
 
 from platformdirs import user_cache_path
 
+from drawbar.codegen.cache_integrity import demand_own_folder, describe, is_whole, note_of
 from drawbar.codegen.compiler import FLAGS, compiler_identity, environment, find_compiler, library_flags
-from drawbar.codegen.keeping import demand_own_folder, describe, is_whole, note_of
 from drawbar.errors import CompilerError
 
 _SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 
 Observer = Callable[[int, int], None]
-"""is told how many units of how many are compiled"""
+"""is told how many units of how many are compiled, first that none is"""
 _OBSERVER: ContextVar[Observer] = ContextVar("observer", default=lambda done, total: None)
 
 
@@ -161,6 +161,7 @@ def _link(folder: Path, units: Sequence[str], flags: tuple[str, ...], library: P
         largest_first = sorted(units, key=lambda name: -(folder / name).stat().st_size)
         commands = [[*compiled, "-c", name, "-o", f"{name}.o"] for name in largest_first]
         tell = _OBSERVER.get()
+        tell(0, len(commands))
         running = [pool.submit(_run, command, folder, library.stem) for command in commands]
         try:
             for count, done in enumerate(as_completed(running), start=1):

@@ -13,8 +13,8 @@ from drawbar.console.calibration_widgets import CURVE, StepList, list_found, plo
 from drawbar.console.hand_log import Driven
 from drawbar.console.link import Link
 from drawbar.console.live_plot import Curve, LivePlot
+from drawbar.console.next_drive import NextDrive
 from drawbar.console.words import Words
-from drawbar.console.workshop import Workshop
 from drawbar.driving.preparation.dead_bands import dead_bands
 from drawbar.driving.preparation.hand_calibration import calibrate
 from drawbar.driving.preparation.hand_drive import HandDrive
@@ -58,9 +58,9 @@ _ANGLES = {
 class CalibrationCard:
     """Begins and ends a drive by hand, and keeps what it has shown as a new version."""
 
-    def __init__(self, workshop: Workshop, link: Link, words: Words, keep: Callable[[list[str]], None]) -> None:
+    def __init__(self, next_drive: NextDrive, link: Link, words: Words, keep: Callable[[list[str]], None]) -> None:
         """Build the card; keep: takes what is found, as KEY=VALUE."""
-        self._workshop, self._link, self._words, self._keep_changes = workshop, link, words, keep
+        self._next_drive, self._link, self._words, self._keep_changes = next_drive, link, words, keep
         self._changes: list[str] = []
         self._due, self._works, self._version = 0, False, 0
         with ui.element("section").classes("card"):
@@ -151,10 +151,10 @@ class CalibrationCard:
         self._works = True
         self._said.set_text(self._words("planning"))
         try:
-            if self._workshop.driven.devices is None or (drive is None and not log.steered):
+            if self._next_drive.driven.devices is None or (drive is None and not log.steered):
                 raise ConfigurationError(self._words("calibrate_nothing"))
             found = await asyncio.to_thread(
-                lambda: [*(calibrate(self._workshop.driven, drive) if drive else ()), *dead_bands(log.steered)]
+                lambda: [*(calibrate(self._next_drive.driven, drive) if drive else ()), *dead_bands(log.steered)]
             )
         except DrawbarError as error:
             self._said.set_text(self._words.message(error))

@@ -65,9 +65,9 @@ def _build(options: ConsoleOptions) -> "tuple[Endpoint, Link, Pages]":
     from drawbar.console.audit import Audit
     from drawbar.console.drawing import Lines, boundary, standing, tube_widths
     from drawbar.console.link import Link
+    from drawbar.console.next_drive import NextDrive
     from drawbar.console.pages import Pages
     from drawbar.console.passwords import load_users
-    from drawbar.console.workshop import Workshop
     from drawbar.driving.devices.path_frame import local_frame
     from drawbar.driving.messaging.endpoint import Endpoint
     from drawbar.driving.messaging.process_options import CONSOLE, ProcessOptions
@@ -85,10 +85,10 @@ def _build(options: ConsoleOptions) -> "tuple[Endpoint, Link, Pages]":
     link = Link(gate_sender(endpoint, drive), audit, time.monotonic_ns, configuration.vehicle)
     kept = without_stand_ins(configuration) if options.stand_ins else configuration
     frame, width = local_frame(configuration), configuration.path.working_width
-    workshop = Workshop(kept, configuration, frame, fields=Path(options.fields), setup=Path(options.setup))
+    next_drive = NextDrive(kept, configuration, frame, fields=Path(options.fields), setup=Path(options.setup))
     ring, tubes = boundary(configuration, frame), tube_widths(configuration)
     scene = standing(configuration.vehicle, configuration.speed, width, ring, tubes)
-    return endpoint, link, Pages(options, link, workshop, scene, Lines(path, width), users, audit)
+    return endpoint, link, Pages(options, link, next_drive, scene, Lines(path, width), users, audit)
 
 
 async def _work(endpoint: "Endpoint", link: "Link", pages: "Pages") -> None:

@@ -6,17 +6,17 @@ from typing import Any
 from nicegui import ui
 
 from drawbar.console.adjusting import Adjusting
+from drawbar.console.debouncer import Debouncer
 from drawbar.console.drawing import Lines, Moving, moving_by_hand
 from drawbar.console.instruments import Instruments
 from drawbar.console.link import Link
 from drawbar.console.menu import menu
-from drawbar.console.taps import Taps
 from drawbar.console.view import Board, board, display_name, picture
 from drawbar.console.visitors import Visitor
 from drawbar.console.words import Words
 from drawbar.messages import Action
 from drawbar.safety.causes import Cause
-from drawbar.safety.desk import ALWAYS
+from drawbar.safety.operator_requests import ALWAYS
 
 _TEXTS = ("old", "map", "zoom_in", "zoom_out", "whole")
 
@@ -32,7 +32,7 @@ class DrivePage:
         self._speed, self._working_width = float(standing["speed"]), float(standing["workingWidth"])
         self._offset, self._lost = 0.0, False
         self._shown: Board | None = None
-        self._taps = Taps()
+        self._debouncer = Debouncer()
         self._refusal_count = link.session(visitor).refusal_count
         with ui.element("div").classes("cockpit"):
             self._build_bar(login=login)
@@ -67,7 +67,7 @@ class DrivePage:
         )
         if shown != self._shown:
             self._show(shown)
-        self._taps.show(self._places(shown), now)
+        self._debouncer.show(self._places(shown), now)
         self._show_wishes(mine=mine, driving=gate is not None and bool(gate.steers))
         if session.refusal_count != self._refusal_count and session.refusal is not None:
             self._refusal_count = session.refusal_count
@@ -142,12 +142,12 @@ class DrivePage:
 
     def _send(self, action: Action, value: float = 0.0) -> None:
         now = self._link.clock()
-        if action not in ALWAYS and not self._taps.counts(action, now):
+        if action not in ALWAYS and not self._debouncer.counts(action, now):
             return
         session = self._link.session(self._visitor)
         before = session.refusal_count
         if self._link.ask(self._visitor, action, value):
-            self._taps.ask(action, now)
+            self._debouncer.ask(action, now)
         elif session.refusal_count == before:
             self._notify(self._words("too_often"))
 

@@ -6,10 +6,10 @@ from html import escape
 
 from nicegui import events, ui
 
-from drawbar.console.guard import LARGEST_UPLOAD
+from drawbar.console.access_control import LARGEST_UPLOAD
+from drawbar.console.next_drive import NextDrive
 from drawbar.console.page_head import tell
 from drawbar.console.words import Words
-from drawbar.console.workshop import Workshop
 from drawbar.errors import DrawbarError
 from drawbar.fields.exchange import KINDS, WRITERS, take_in
 from drawbar.fields.field import Field
@@ -26,13 +26,13 @@ class ExchangeCard:
 
     def __init__(
         self,
-        workshop: Workshop,
+        next_drive: NextDrive,
         words: Words,
         shown: Callable[[], Field | None],
         keep: Callable[[tuple[Field, ...]], Awaitable[None]],
     ) -> None:
         """Build the card; `shown` returns the field to export, `keep` keeps what was imported."""
-        self._frame, self._words, self._shown, self._keep = workshop.frame, words, shown, keep
+        self._frame, self._words, self._shown, self._keep = next_drive.frame, words, shown, keep
         with ui.element("section").classes("card"):
             with ui.element("h2"):
                 ui.label(words("import_export"))

@@ -8,7 +8,7 @@ from typing import Any
 from nicegui.element import Element
 from nicegui.events import GenericEventArguments
 
-from drawbar.console.under_way import UnderWay
+from drawbar.console.flow_control import FlowControl
 
 
 class FieldMap(Element, component=Path(__file__).parent / "static" / "field_map.js"):
@@ -19,9 +19,9 @@ class FieldMap(Element, component=Path(__file__).parent / "static" / "field_map.
         super().__init__()
         self._props["texts"] = texts
         self.show_field({"boundary": [], "lines": []})
-        self._on_choose, self._under_way = on_choose, UnderWay()
+        self._on_choose, self._flow = on_choose, FlowControl()
         self.on("choose", self._choose)
-        self.on("moved", self._under_way.drawn, args=[])
+        self.on("moved", self._flow.drawn, args=[])
 
     def show_field(self, field: dict[str, Any]) -> None:
         """Draw a field, its boundary and its lines, and nothing planned on it."""
@@ -35,11 +35,11 @@ class FieldMap(Element, component=Path(__file__).parent / "static" / "field_map.
     @property
     def may_draw(self) -> bool:
         """Whether another place may be sent."""
-        return self._under_way.may_send
+        return self._flow.may_send
 
     def place(self, place: list[float | None] | None, track: list[list[float]] | None) -> None:
         """Draw where the tractor is (east, north, yaw), and the curve that is being recorded; None: as before."""
-        self._under_way.send()
+        self._flow.send()
         self.run_method("move", place, track)
 
     def _choose(self, event: GenericEventArguments) -> None:

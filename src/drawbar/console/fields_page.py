@@ -16,11 +16,11 @@ from drawbar.console.exchange_card import ExchangeCard
 from drawbar.console.field_map import FieldMap
 from drawbar.console.link import Link
 from drawbar.console.new_line_card import NewLineCard
+from drawbar.console.next_drive import NextDrive
 from drawbar.console.page_head import PageHead, tell
 from drawbar.console.thinning import kept_points
 from drawbar.console.visitors import Visitor
 from drawbar.console.words import Words
-from drawbar.console.workshop import Workshop
 from drawbar.errors import DrawbarError, PathError
 from drawbar.fields.field import Field, FieldLine
 from drawbar.fields.formats import geojson
@@ -44,10 +44,10 @@ class FieldsPage:
     """The page of one browser."""
 
     def __init__(
-        self, workshop: Workshop, link: Link, visitor: Visitor, words: Words, audit: Audit, *, login: bool
+        self, next_drive: NextDrive, link: Link, visitor: Visitor, words: Words, audit: Audit, *, login: bool
     ) -> None:
         """Build the page."""
-        self._workshop, self._link, self._visitor, self._words, self._audit = workshop, link, visitor, words, audit
+        self._next_drive, self._link, self._visitor, self._words, self._audit = next_drive, link, visitor, words, audit
         self._field: Field | None = None
         self._planned: PlannedPass | None = None
         self._wanted, self._plans, self._loads = 0, False, False
@@ -60,9 +60,9 @@ class FieldsPage:
             with ui.element("div"):
                 self._build_choice()
                 if visitor.may_drive:
-                    self._new_line = NewLineCard(workshop, link, words, self._keep_line)
-                    ExchangeCard(workshop, words, lambda: self._field, self._take_in)
-        names = workshop.fields.names()
+                    self._new_line = NewLineCard(next_drive, link, words, self._keep_line)
+                    ExchangeCard(next_drive, words, lambda: self._field, self._take_in)
+        names = next_drive.fields.names()
         self._show_field(names[0] if names else None)
 
     def refresh(self) -> None:
@@ -90,8 +90,8 @@ class FieldsPage:
     def _moved(self, points: Sequence[tuple[float, float]]) -> Floats:
         """Return points of the drive's frame, m, in the field's, (n, 2) m."""
         field = self._field
-        frame = self._workshop.frame if field is None or field.is_empty else field.frame()
-        return on_plane(on_earth(np.reshape(points, (-1, 2)), self._workshop.frame), frame)
+        frame = self._next_drive.frame if field is None or field.is_empty else field.frame()
+        return on_plane(on_earth(np.reshape(points, (-1, 2)), self._next_drive.frame), frame)
 
     def _build_choice(self) -> None:
         words = self._words
@@ -118,7 +118,7 @@ class FieldsPage:
 
     def _show_field(self, name: str | None, line: str = "") -> None:
         self._line_wanted = line
-        self._fields.set_options(self._workshop.fields.names(), value=name)
+        self._fields.set_options(self._next_drive.fields.names(), value=name)
         self._field_chosen()
 
     def _field_chosen(self) -> None:
@@ -127,7 +127,7 @@ class FieldsPage:
 
     async def _load_field(self) -> None:
         """Read the field that is chosen now, and show it and its lines."""
-        self._loads, name, store = False, self._fields.value, self._workshop.fields
+        self._loads, name, store = False, self._fields.value, self._next_drive.fields
         try:
             self._field = await asyncio.to_thread(store.load, name) if name else None
         except DrawbarError as error:
@@ -183,7 +183,7 @@ class FieldsPage:
         numbers = [each.value for each in (self._number, self._width, self._offset)]
         if any(each is None for each in numbers):
             raise PathError(self._words("number_missing"))
-        configuration = self._workshop.configuration
+        configuration = self._next_drive.configuration
         return partial(
             plan_pass,
             field,
@@ -199,7 +199,7 @@ class FieldsPage:
             return self._words("no_field") if self._field is None else ""
         length = f"{self._planned.drivable.path.length:.0f}"
         centimetres = self._words.number(100.0 * self._planned.largest, 0)
-        limit = self._words.number(100.0 * self._workshop.configuration.guidance.path_tolerance, 0)
+        limit = self._words.number(100.0 * self._next_drive.configuration.guidance.path_tolerance, 0)
         key = "smoothed_marked" if self._planned.deviating else "smoothed"
         return f"{self._words(key, length=length, most=centimetres, limit=limit)} {self._distance()}".strip()
 
@@ -208,7 +208,7 @@ class FieldsPage:
         place = self._link.surveyor.place
         if place is None or self._field is None or self._planned is None:
             return ""
-        here = on_plane(on_earth(np.array([place[:2]]), self._workshop.frame), self._field.frame())
+        here = on_plane(on_earth(np.array([place[:2]]), self._next_drive.frame), self._field.frame())
         metres = float(np.hypot(*(self._planned.drivable.recorded - here).T).min())
         return self._words("far_away", km=f"{metres / 1e3:.0f}") if metres > _FAR else ""
 
@@ -219,19 +219,19 @@ class FieldsPage:
         """Save the chosen pass, and a configuration that drives it, for the next drive."""
         if self._planned is None or self._field is None or not self._visitor.may_drive:
             return
-        workshop, line = self._workshop, self._planned.line
+        next_drive, line = self._next_drive, self._planned.line
         points = on_earth(np.column_stack([line.x, line.y]), self._field.frame())
-        file = workshop.versions.next_file(workshop.configuration.name, ".geojson")
+        file = next_drive.versions.next_file(next_drive.configuration.name, ".geojson")
         taken = FieldLine(name=line.name, points=points)
         field = Field(name=self._field.name, lines=(taken,), boundary=self._field.boundary)
         content = await asyncio.to_thread(geojson.write, field)
         changes = {"path.file": str(file), "path.track": line.name, "path.working_width": float(self._width.value)}
         try:
-            changed = workshop.changed([f"{key}={json.dumps(value)}" for key, value in changes.items()])
-            workshop.versions.write(file, content)
+            changed = next_drive.changed([f"{key}={json.dumps(value)}" for key, value in changes.items()])
+            next_drive.versions.write(file, content)
             try:
                 await asyncio.to_thread(build_path, changed)
-                saved = workshop.save(changed, engaged=lambda: self._link.is_engaged)
+                saved = next_drive.save(changed, engaged=lambda: self._link.is_engaged)
             except DrawbarError:
                 file.unlink()
                 raise
@@ -243,19 +243,19 @@ class FieldsPage:
 
     def _keep_line(self, name: str, points: Floats) -> None:
         """Keep a new line, (n, 2) m of the drive's frame, in the field that is shown; in a new one if that is far."""
-        workshop = self._workshop
-        degrees = on_earth(points, workshop.frame)
+        next_drive = self._next_drive
+        degrees = on_earth(points, next_drive.frame)
         if self._field is None or not _is_near(self._field, degrees):
-            kept = workshop.fields.add(Field(name=self._words("new_field"), lines=()))
+            kept = next_drive.fields.add(Field(name=self._words("new_field"), lines=()))
             self._field = Field(name=kept)
-        line = workshop.fields.add_line(self._field.name, FieldLine(name=name, points=degrees))
+        line = next_drive.fields.add_line(self._field.name, FieldLine(name=name, points=degrees))
         self._audit.write(self._visitor, "NEW_LINE", field=self._field.name, line=line)
         tell(self._words("line_kept", line=line, field=self._field.name), good=True)
         self._show_field(self._field.name, line)
 
     async def _take_in(self, fields: tuple[Field, ...]) -> None:
         """Keep imported fields, and show the first."""
-        names = [await asyncio.to_thread(self._workshop.fields.add, field) for field in fields]
+        names = [await asyncio.to_thread(self._next_drive.fields.add, field) for field in fields]
         self._audit.write(self._visitor, "IMPORT", fields=names)
         self._show_field(names[0])
 

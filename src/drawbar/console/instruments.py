@@ -12,7 +12,7 @@ from typing import Any
 from nicegui.element import Element
 from nicegui.events import GenericEventArguments
 
-from drawbar.console.under_way import UnderWay
+from drawbar.console.flow_control import FlowControl
 
 
 class Instruments(Element, component=Path(__file__).parent / "static" / "instruments.js"):
@@ -24,13 +24,13 @@ class Instruments(Element, component=Path(__file__).parent / "static" / "instrum
         self._props["standing"] = json.dumps(standing)  # a list would be watched by NiceGUI, point by point
         self._props["texts"] = texts
         self._on_drawn = on_drawn
-        self._under_way = UnderWay()
+        self._flow = FlowControl()
         self.on("drawn", self._drawn)
 
     @property
     def may_draw(self) -> bool:
         """Whether another picture may be sent."""
-        return self._under_way.may_send
+        return self._flow.may_send
 
     def show_lines(self, lines: dict[str, Any]) -> None:
         """Draw other lines from now on."""
@@ -38,9 +38,9 @@ class Instruments(Element, component=Path(__file__).parent / "static" / "instrum
 
     def draw(self, picture: dict[str, Any]) -> None:
         """Send a picture."""
-        self._under_way.send()
+        self._flow.send()
         self.run_method("draw", picture | {"sent": time.monotonic_ns() // 1_000_000})
 
     def _drawn(self, event: GenericEventArguments) -> None:
-        self._under_way.drawn()
+        self._flow.drawn()
         self._on_drawn(event.args)

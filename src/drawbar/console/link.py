@@ -20,8 +20,8 @@ from drawbar.driving.preparation.push_calibration import STOPPED, PushCalibratio
 from drawbar.machine.hardware.bare_valve import Motion
 from drawbar.message_records import decode
 from drawbar.messages import Action, ControllerState, Fixes, GateState, OperatorMessage
-from drawbar.safety.desk import ALWAYS
 from drawbar.safety.engagement import STEERING
+from drawbar.safety.operator_requests import ALWAYS
 from drawbar.step.layout import unpacked
 from drawbar.vehicle.parameters import VehicleParameters
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from nicegui import ui
 
-from drawbar.console.under_way import UnderWay
+from drawbar.console.flow_control import FlowControl
 
 SPAN = 60
 """s"""
@@ -38,19 +38,19 @@ class LivePlot:
             look: its class in console.css.
             drawn: called when a browser has drawn a picture.
         """
-        self._under_way, self._tell = UnderWay(), drawn
+        self._flow, self._tell = FlowControl(), drawn
         self._chart = ui.echart(_options()).classes(look)
         self._chart.on("plotted", self._drawn, args=[])
         self.set_visibility = self._chart.set_visibility
 
     def _drawn(self) -> None:
-        self._under_way.drawn()
+        self._flow.drawn()
         self._tell()
 
     @property
     def may_draw(self) -> bool:
         """Whether another picture may be sent."""
-        return self._under_way.may_send
+        return self._flow.may_send
 
     def draw(self, rows: Sequence[Sequence[float | None]], age: float, curves: Sequence[Curve] | None = None) -> None:
         """Send what is new.
@@ -63,7 +63,7 @@ class LivePlot:
         picture: dict[str, Any] = {"rows": rows, "age": round(age, 3)}
         if curves is not None:
             picture |= {"lines": [_line(number, curve) for number, curve in enumerate(curves)]}
-        self._under_way.send()
+        self._flow.send()
         ui.run_javascript(f"plotSteps({self._chart.id}, {json.dumps(picture)})")
 
 

@@ -8,10 +8,10 @@ from urllib.parse import parse_qs
 from starlette.requests import Request
 from starlette.responses import HTMLResponse, RedirectResponse, Response
 
-from drawbar.console.allowances import Allowances
+from drawbar.console.access_control import LOGIN, set_cookie
 from drawbar.console.audit import Audit
-from drawbar.console.guard import LOGIN, set_cookie
 from drawbar.console.passwords import User, verify
+from drawbar.console.token_bucket import TokenBuckets
 from drawbar.console.visitors import COOKIE, Visitors
 from drawbar.console.words import Words
 
@@ -36,7 +36,7 @@ class Login:
     def __init__(self, users: dict[str, User], visitors: Visitors, audit: Audit, *, secure: bool) -> None:
         """Take who may log in; secure: cookies go over TLS only."""
         self._users, self._visitors, self._audit, self._secure = users, visitors, audit, secure
-        self._allowances = Allowances(ATTEMPTS / AGAIN, ATTEMPTS)
+        self._buckets = TokenBuckets(ATTEMPTS / AGAIN, ATTEMPTS)
 
     def form(self, words: Words, flaw: str = "", status: int = 200) -> Response:
         """Return the page."""
@@ -47,7 +47,7 @@ class Login:
     async def attempt(self, request: Request, words: Words) -> Response:
         """Answer a form that was sent."""
         address = request.client.host if request.client else ""
-        if not self._allowances.take(address, time.monotonic()):
+        if not self._buckets.take(address, time.monotonic()):
             self._audit.write(None, "LOGIN_TOO_OFTEN", address=address)
             return self.form(words, "login_wait", 429)
         fields = parse_qs((await request.body()).decode("utf-8", "replace"))

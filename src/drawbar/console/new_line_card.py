@@ -7,9 +7,9 @@ import numpy as np
 from nicegui import ui
 
 from drawbar.console.link import Link
+from drawbar.console.next_drive import NextDrive
 from drawbar.console.page_head import tell
 from drawbar.console.words import Words
-from drawbar.console.workshop import Workshop
 from drawbar.errors import DrawbarError
 from drawbar.fields.lines import from_a_and_b, from_a_and_heading
 from drawbar.fields.track import Track
@@ -21,9 +21,9 @@ _COMPASS = 360.0
 class NewLineCard:
     """Makes lines where the tractor is."""
 
-    def __init__(self, workshop: Workshop, link: Link, words: Words, keep: Callable[[str, Floats], None]) -> None:
+    def __init__(self, next_drive: NextDrive, link: Link, words: Words, keep: Callable[[str, Floats], None]) -> None:
         """Build the card; `keep` takes a new line's name and points, (n, 2) m of the drive's frame."""
-        self._workshop, self._surveyor, self._words, self._keep = workshop, link.surveyor, words, keep
+        self._next_drive, self._surveyor, self._words, self._keep = next_drive, link.surveyor, words, keep
         with ui.element("section").classes("card"):
             with ui.element("h2"):
                 ui.label(words("new_line"))

@@ -1,4 +1,4 @@
-"""Pages: puts guard, login and pages into NiceGUI's application."""
+"""Pages: puts access control, login and pages into NiceGUI's application."""
 
 import time
 import traceback
@@ -12,21 +12,21 @@ from nicegui.client import Client
 from starlette.requests import Request
 from starlette.responses import FileResponse, PlainTextResponse, RedirectResponse, Response
 
+from drawbar.console.access_control import LOGIN, VISITOR, AccessControl
 from drawbar.console.audit import Audit
 from drawbar.console.drawing import Lines
 from drawbar.console.drive_page import DrivePage
 from drawbar.console.fields_page import FieldsPage
-from drawbar.console.guard import LOGIN, VISITOR, Guard
 from drawbar.console.inside_page import InsidePage
 from drawbar.console.link import Link
 from drawbar.console.login import Login
 from drawbar.console.menu import ADDRESSES
+from drawbar.console.next_drive import NextDrive
 from drawbar.console.passwords import User
 from drawbar.console.runs_page import MAP, REPORT, RunsPage, file_of
 from drawbar.console.set_up_page import SetUpPage
 from drawbar.console.visitors import Visitor, Visitors
 from drawbar.console.words import Words, language_of
-from drawbar.console.workshop import Workshop
 from drawbar.driving.messaging.console_options import LOOPBACK, ConsoleOptions
 from drawbar.realtime import say
 
@@ -50,21 +50,21 @@ class Pages:
         self,
         options: ConsoleOptions,
         link: Link,
-        workshop: Workshop,
+        next_drive: NextDrive,
         standing: Mapping[str, Any],
         lines: Lines,
         users: dict[str, User] | None,
         audit: Audit,
     ) -> None:
         """Take what they show; users: None: no password is asked for."""
-        self._options, self._link, self._workshop, self._audit = options, link, workshop, audit
+        self._options, self._link, self._next_drive, self._audit = options, link, next_drive, audit
         self._standing, self._lines = dict(standing), lines
         self._login = users is not None
         self._visitors = Visitors()
         self._open: dict[str, tuple[Visitor, Page]] = {}
         secure = options.certificate is not None
-        self._desk = Login(users or {}, self._visitors, audit, secure=secure)
-        self._guard = {
+        self._login_form = Login(users or {}, self._visitors, audit, secure=secure)
+        self._access = {
             "names": {options.host.strip("[]"), *options.names, *(LOOPBACK if options.is_local else ())},
             "visitors": self._visitors,
             "asks_for_password": self._login,
@@ -75,12 +75,12 @@ class Pages:
     def install(self) -> None:
         """Put everything into the application; to be called once, before it runs."""
         core.app.config.socket_io_js_transports = ["websocket"]
-        app.add_middleware(Guard, **self._guard)  # type: ignore[arg-type]
+        app.add_middleware(AccessControl, **self._access)  # type: ignore[arg-type]
         app.add_exception_handler(404, _lead_back)
         app.add_static_files("/drawbar", str(_STATIC), max_cache_age=0)
         app.add_api_route("/login", self._form, methods=["GET"])
         app.add_api_route("/login", self._attempt, methods=["POST"])
-        app.add_api_route("/logout", self._desk.logout, methods=["GET"])
+        app.add_api_route("/logout", self._login_form.logout, methods=["GET"])
         app.add_api_route("/language/{language}", _choose_language, methods=["GET"])
         app.add_api_route("/report/{name}", self._report, methods=["GET"])
         app.add_api_route("/map/{name}", self._map, methods=["GET"])
@@ -127,11 +127,11 @@ class Pages:
 
     def _fields_page(self, request: Request) -> None:
         visitor, words = self._begin(request, "fields")
-        self._opened(visitor, FieldsPage(self._workshop, self._link, visitor, words, self._audit, login=self._login))
+        self._opened(visitor, FieldsPage(self._next_drive, self._link, visitor, words, self._audit, login=self._login))
 
     def _set_up_page(self, request: Request) -> None:
         visitor, words = self._begin(request, "setup")
-        page = SetUpPage(self._workshop, self._link, visitor, words, self._audit, login=self._login)
+        page = SetUpPage(self._next_drive, self._link, visitor, words, self._audit, login=self._login)
         self._opened(visitor, page)
 
     def _runs_page(self, request: Request) -> None:
@@ -158,10 +158,10 @@ class Pages:
         return visitor, words
 
     async def _form(self, request: Request) -> Response:
-        return self._desk.form(self._words(request))
+        return self._login_form.form(self._words(request))
 
     async def _attempt(self, request: Request) -> Response:
-        return await self._desk.attempt(request, self._words(request))
+        return await self._login_form.attempt(request, self._words(request))
 
     def _report(self, name: str) -> Response:
         return self._file_of_run(name, REPORT)

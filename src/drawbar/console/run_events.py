@@ -18,6 +18,7 @@ _ASKED = {
     Action.ACKNOWLEDGE: "acknowledge",
     Action.NUDGE: "line_shift",
     Action.SET_SPEED: "set_speed",
+    Action.LINE: "pass_number",
 }
 """catalogue's key of what an operator asks for"""
 
@@ -42,12 +43,7 @@ def run_events(log: Path, words: Words, *, is_on: bool = False) -> list[RunEvent
     Raises:
         DrawbarError: the log cannot be read.
     """
-    happened = drive_events(log, is_on=is_on)
-    return [RunEvent(time=each.time, text=_described(each, words)) for each in happened if not _is_silent(each)]
-
-
-def _is_silent(event: DriveEvent) -> bool:
-    return isinstance(event, Asked) and event.action not in _ASKED
+    return [RunEvent(time=each.time, text=_described(each, words)) for each in drive_events(log, is_on=is_on)]
 
 
 def _described(event: DriveEvent, words: Words) -> str:
@@ -72,7 +68,10 @@ def _became(event: Became, words: Words) -> str:
 
 def _wished(action: Action, value: float, words: Words) -> str:
     text = words("operator_pressed", what=words(_ASKED[action]))
-    if math.isnan(value) or action not in (Action.NUDGE, Action.SET_SPEED):
+    if math.isnan(value):
         return text
-    number = words.number(3.6 * value, 1) + " km/h" if action is Action.SET_SPEED else f"{100.0 * value:.0f} cm"
-    return f"{text} {number}"
+    if action is Action.NUDGE:
+        return f"{text} {100.0 * value:.0f} cm"
+    if action is Action.SET_SPEED:
+        return f"{text} {words.number(3.6 * value, 1)} km/h"
+    return f"{text} {value:.0f}" if action is Action.LINE else text

@@ -1,4 +1,4 @@
-"""Session: one browser at the gate's desk. With each request it states which picture it has drawn.
+"""Session: one browser that asks the gate for something. With each request it states which picture it has drawn.
 
 A browser acknowledges each picture that it has drawn. Only these words make the operator present for the gate, so that
 a browser that hangs, sleeps or is out of reach is not there, whatever its connection says. Pure: time is given.
@@ -6,11 +6,11 @@ a browser that hangs, sleeps or is out of reach is not there, whatever its conne
 
 from collections.abc import Callable, Iterator
 
-from drawbar.console.allowances import Allowance
+from drawbar.console.token_bucket import TokenBucket
 from drawbar.driving.operator.requests import Operator
 from drawbar.messages import Action, GateState, OperatorMessage
 from drawbar.safety.causes import BY_CODE, Cause
-from drawbar.safety.desk import ALWAYS
+from drawbar.safety.operator_requests import ALWAYS
 
 PRESENT_PERIOD = 250_000_000
 """between two words to the gate that the operator is there, ns"""
@@ -29,7 +29,7 @@ class Session:
         """Take a random number, not 0, who it is, what hands a message to the gate, and nonces that only grow."""
         self.number, self.name = number, name
         self._operator = Operator(number, send, nonces)
-        self._allowance = Allowance(RATE, BURST)
+        self._bucket = TokenBucket(RATE, BURST)
         self._present_due = 0
         self._asked: tuple[int, int, Action] | None = None  # nonce, time, action
         self.refusal: Cause | None = None
@@ -61,7 +61,7 @@ class Session:
     def ask(self, action: Action, now: int, value: float = 0.0) -> bool:
         """Ask the gate for something; return whether the question was sent. Stops are always sent."""
         if action not in ALWAYS:
-            if not self._allowance.take(now * 1e-9):
+            if not self._bucket.take(now * 1e-9):
                 return False
             if self.seen is None or now - self.seen.time > OLD:
                 self._refuse(Cause.SEEN_OLD)

@@ -11,6 +11,7 @@ from drawbar.console.audit import Audit
 from drawbar.console.calibration_card import CalibrationCard
 from drawbar.console.device_rates import DEVICES, missing
 from drawbar.console.link import Link
+from drawbar.console.next_drive import NextDrive
 from drawbar.console.page_head import PageHead, tell
 from drawbar.console.set_up_values import GROUPS, SetUpValue
 from drawbar.console.set_up_words import changes, flaws, shown_name
@@ -19,7 +20,6 @@ from drawbar.console.vehicle_drawing import number_id, vehicle_drawing
 from drawbar.console.versions import Version, read_version
 from drawbar.console.visitors import Visitor
 from drawbar.console.words import Words
-from drawbar.console.workshop import Workshop
 from drawbar.errors import DrawbarError
 
 _VERSIONS = 10
@@ -34,10 +34,10 @@ class SetUpPage:
     """The page of one browser."""
 
     def __init__(
-        self, workshop: Workshop, link: Link, visitor: Visitor, words: Words, audit: Audit, *, login: bool
+        self, next_drive: NextDrive, link: Link, visitor: Visitor, words: Words, audit: Audit, *, login: bool
     ) -> None:
         """Build the page."""
-        self._workshop, self._link, self._visitor, self._words, self._audit = workshop, link, visitor, words, audit
+        self._next_drive, self._link, self._visitor, self._words, self._audit = next_drive, link, visitor, words, audit
         self._numbers: dict[SetUpValue, ui.number] = {}
         self._changed: Configuration | None = None
         self._due, self._fills = 0, False
@@ -81,14 +81,14 @@ class SetUpPage:
 
     def _build_calibrations(self) -> None:
         """Build the cards beside each other, below all numbers: on a phone the numbers and their saving come first."""
-        workshop, link, words = self._workshop, self._link, self._words
-        devices = workshop.driven.devices
+        next_drive, link, words = self._next_drive, self._link, self._words
+        devices = next_drive.driven.devices
         self._valve: ValveCard | None = None
         with ui.element("div").classes("columns"):
-            self._calibration = CalibrationCard(workshop, link, words, self._take_found)
+            self._calibration = CalibrationCard(next_drive, link, words, self._take_found)
             if devices is not None and devices.bare_valve is not None:
                 note = partial(self._audit.write, self._visitor, "PUSH")
-                self._valve = ValveCard(workshop, link, words, self._take_found, note)
+                self._valve = ValveCard(next_drive, link, words, self._take_found, note)
 
     def _build_group(self, title: str, values: tuple[SetUpValue, ...]) -> None:
         with ui.element("section").classes("card"):
@@ -128,7 +128,7 @@ class SetUpPage:
             with ui.element("h2"):
                 ui.label(self._words("devices"))
             with ui.element("table").classes("figures-table"):
-                absent = missing(self._workshop.driven.devices)
+                absent = missing(self._next_drive.driven.devices)
                 for name in (each for each in (*DEVICES, "corrections") if each not in absent):
                     with ui.element("tr"):
                         with ui.element("td"):
@@ -139,7 +139,7 @@ class SetUpPage:
         """Show what was saved last."""
         self._fills = True  # each number that is filled in would be checked with all others
         for value, number in self._numbers.items():
-            number.set_value(value.shown(self._workshop.configuration))
+            number.set_value(value.shown(self._next_drive.configuration))
         self._fills = False
         self._check()
         self._list_versions()
@@ -148,10 +148,10 @@ class SetUpPage:
         """Validate what is shown, draw it, and say what is changed."""
         if self._fills:
             return
-        before = self._workshop.configuration
+        before = self._next_drive.configuration
         self._changed, flaw, said = None, "", ""
         try:
-            after = self._workshop.changed(self._changes(before))
+            after = self._next_drive.changed(self._changes(before))
             self._drawing.set_content(vehicle_drawing(after.vehicle))
             different = changes(before, after, self._words)
             said = different or self._words("no_changes")
@@ -178,13 +178,13 @@ class SetUpPage:
     def _take_found(self, changes: list[str]) -> None:
         """Save what a calibration has found."""
         try:
-            self._save_version(self._workshop.changed(changes))
+            self._save_version(self._next_drive.changed(changes))
         except DrawbarError as error:
             tell(flaws(str(error), self._words))
 
     def _save_version(self, changed: Configuration) -> None:
         try:
-            file = self._workshop.save(changed, engaged=lambda: self._link.is_engaged)
+            file = self._next_drive.save(changed, engaged=lambda: self._link.is_engaged)
         except DrawbarError as error:
             tell(flaws(str(error), self._words))
             return
@@ -194,7 +194,7 @@ class SetUpPage:
 
     def _list_versions(self) -> None:
         words = self._words
-        versions = self._workshop.versions.all()[:_VERSIONS]
+        versions = self._next_drive.versions.all()[:_VERSIONS]
         self._versions.clear()
         self._versions.set_visibility(bool(versions))
         with self._versions:
@@ -209,7 +209,7 @@ class SetUpPage:
 
     def _go_back(self, version: Version) -> None:
         try:
-            self._workshop.configuration = read_version(version)
+            self._next_drive.configuration = read_version(version)
         except DrawbarError as error:
             tell(flaws(str(error), self._words))
         self._reset()

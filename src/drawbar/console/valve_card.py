@@ -12,8 +12,8 @@ from nicegui import ui
 from drawbar.console.calibration_widgets import StepList, list_found
 from drawbar.console.link import Link
 from drawbar.console.live_plot import Curve, LivePlot
+from drawbar.console.next_drive import NextDrive
 from drawbar.console.words import Words
-from drawbar.console.workshop import Workshop
 from drawbar.driving.preparation.hand_calibration import CalibrationResult
 from drawbar.driving.preparation.push_calibration import (
     PATIENCE,
@@ -44,14 +44,14 @@ class ValveCard:
 
     def __init__(
         self,
-        workshop: Workshop,
+        next_drive: NextDrive,
         link: Link,
         words: Words,
         keep: Callable[[list[str]], None],
         note: Callable[[], None],
     ) -> None:
         """Build the card; keep: takes what is found, as KEY=VALUE; note: writes down that something is moved."""
-        self._workshop, self._link, self._words, self._keep_changes, self._note = workshop, link, words, keep, note
+        self._next_drive, self._link, self._words, self._keep_changes, self._note = next_drive, link, words, keep, note
         self._pushing: PushCalibration | None = None
         """what this page has begun, as long as it continues"""
         self._shown, self._prepared, self._changes = 0, -math.inf, list[str]()
@@ -106,7 +106,7 @@ class ValveCard:
         self._changes = []
         self._found.clear()
         try:
-            driven = self._workshop.driven
+            driven = self._next_drive.driven
             settings = bare_valve_settings(driven)
             valve = open_bare_valve(settings, driven.vehicle.wheelbase, link.motion)
         except DrawbarError as error:

@@ -49,7 +49,8 @@ struct shared_error {
 
 #define SHARED_ERROR_FIELDS(place)                                                                          \
     SETTING(component, place.off_tracking.hitch, 0, 1, 0, 0) SETTING(component, place.off_tracking.antenna, 0, 1, 0, 0) \
-    SETTING(component, place.off_tracking.apart, 0, 1, 0, 0) SETTING(component, place.off_tracking.cut_in, 0, 1, 0, 0) SETTING(component, place.off_tracking.reach, 0, 1, 0, 0) \
+    SETTING(component, place.off_tracking.apart, 0, 1, 0, 0) SETTING(component, place.off_tracking.cut_in, 0, 1, 0, 0) \
+    SETTING(component, place.off_tracking.reach, 0, 1, 0, 0) \
     SETTING(component, place.share, 0, 1, 0, 0) SETTING(component, place.accepted_error, 0, 1, 0, 0)                  \
     SETTING(component, place.widening, 0, 1, 0, 0) SETTING(component, place.lag, 0, 1, 0, 0)                             \
     SETTING(component, place.sample_time, 0, 1, 0, 0)

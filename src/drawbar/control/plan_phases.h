@@ -13,7 +13,7 @@ int UNIT(ready)(struct component *component)
 }
 
 /* Skip samples that were left out: the plan goes on, but the state that its model reaches is unknown. */
-SELDOM int UNIT(skip)(struct component *component, int samples)
+COLD int UNIT(skip)(struct component *component, int samples)
 {
     component->PLANNER.predicts = 0;
     for (int i = 0; i < samples; ++i)

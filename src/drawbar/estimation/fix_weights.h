@@ -6,7 +6,7 @@
 #ifndef DRAWBAR_FIX_WEIGHTS_H
 #define DRAWBAR_FIX_WEIGHTS_H
 
-#include "apart.h"
+#include "noinline.h"
 #include "rti.h"
 #include "signals.h"
 
@@ -33,7 +33,7 @@ static const int fix_output[FIX_OUTPUTS] = {
 };
 
 /* Give all fixes their nominal weights. */
-static SELDOM void fix_weights_reset(struct fix_weights *weights, struct rti *rti)
+static COLD void fix_weights_reset(struct fix_weights *weights, struct rti *rti)
 {
     for (int i = 0; i < FIX_OUTPUTS; ++i) {
         if (!weights->initialised)

@@ -16,7 +16,7 @@
 
 #include <math.h>
 #include <string.h>
-#include "apart.h"
+#include "noinline.h"
 #include "geometry.h"
 #include "ground_record.h"
 #include "signals.h"
@@ -73,7 +73,7 @@ static inline void slide_row(const struct slide *slide, struct axle axle, double
 }
 
 /* Reset the covariance to the prior. */
-static APART void slide_reset_covariance(struct slide *slide)
+static NOINLINE void slide_reset_covariance(struct slide *slide)
 {
     for (int i = 0; i < SLIDE_TERMS; ++i) {
         const double deviation = slide_prior(slide, i);
@@ -91,7 +91,7 @@ static inline void slide_begin(struct slide *slide)
 
 /* The three coefficients in effect: side-slip by the slope, east and north, rad; by lateral acceleration, rad/g, never negative:
  * axles drift out of a curve. The opposite is an estimate that lags in an oscillation, which a model with it would amplify. */
-static APART void slide_coefficients(const struct slide *slide, double *coefficients)
+static NOINLINE void slide_coefficients(const struct slide *slide, double *coefficients)
 {
     for (int i = 0; i < 2; ++i)
         coefficients[i] = slide->value[i] + slide->value[SLIDE_CREEP] * slide->fall[i];
@@ -99,7 +99,7 @@ static APART void slide_coefficients(const struct slide *slide, double *coeffici
 }
 
 /* Predicted side-slip of an axle, to its left, rad. */
-static APART double slide_across(const struct slide *slide, struct axle axle)
+static NOINLINE double slide_across(const struct slide *slide, struct axle axle)
 {
     double coefficients[3];
 
@@ -108,7 +108,7 @@ static APART double slide_across(const struct slide *slide, struct axle axle)
 }
 
 /* Update the ground's fall with a body's yaw, roll and pitch (rad; NaN: unknown) over a sample (s). */
-static APART void slide_attitude(struct slide *slide, double yaw, double roll, double pitch, double sample_time)
+static NOINLINE void slide_attitude(struct slide *slide, double yaw, double roll, double pitch, double sample_time)
 {
     double slope[2];
 
@@ -124,7 +124,7 @@ static APART void slide_attitude(struct slide *slide, double yaw, double roll, d
 }
 
 /* Update the coefficients with an axle's estimated side-slip (rad). */
-static APART void slide_update(struct slide *slide, struct axle axle, double side_slip)
+static NOINLINE void slide_update(struct slide *slide, struct axle axle, double side_slip)
 {
     /* without an attitude sensor the masts' sway adds to it */
     const double noise = slide->attitude_time > 0.0 ? 0.5 * slide->noise : slide->noise;
@@ -155,7 +155,7 @@ static APART void slide_update(struct slide *slide, struct axle axle, double sid
 }
 
 /* Forget by one sample: the covariance relaxes towards the prior, so that east and north walk by `walk`. */
-static APART void slide_forget(struct slide *slide)
+static NOINLINE void slide_forget(struct slide *slide)
 {
     const double share = slide->walk / slide->prior, fresh = fmin(share * share, 1.0);
 

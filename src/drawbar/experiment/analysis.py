@@ -27,11 +27,17 @@ class Analysis:
 
 
 def error_figures(metrics: Metrics) -> dict[str, float]:
-    """Return mean distance from the path by class of the path, and the largest, as `BODY CLASS`, in cm."""
+    """Return mean distance from the path by class of the path, as `BODY CLASS`, cm, and of the whole run more.
+
+    `BODY SD` is the standard deviation of the signed distance, `BODY 95 %` what 95 % of the distances are at most, and
+    `BODY largest` the largest.
+    """
     figures: dict[str, float] = {}
     for body, errors in (("tractor", metrics.error_m.tractor), ("trailer", metrics.error_m.trailer)):
         figures |= {f"{body} {label}": 100.0 * error.mean for label, error in errors.items()}
-        figures[f"{body} largest"] = 100.0 * errors[ALL].max
+        whole = errors[ALL]
+        figures |= {f"{body} SD": 100.0 * whole.deviation, f"{body} 95 %": 100.0 * whole.p95}
+        figures[f"{body} largest"] = 100.0 * whole.max
     return figures
 
 

@@ -88,5 +88,6 @@ def _print_outcome(console: Console, measured: MeasuredExperiment, file: Path) -
         console.print(Text(f"missed: {miss}", "red"))
     for each in measured.left_out_texts():
         console.print(f"{measured.experiment.folder.name}: {each}", soft_wrap=True, markup=False)
-    met = sum(verdict.holds for verdict in measured.verdicts())
-    console.print(f"{met} of {len(measured.verdicts())} expected figures met: {file}", soft_wrap=True)
+    held = [verdict.holds for verdict in measured.verdicts()]
+    met = f"{sum(held)} of {len(held)} expected figures met: " if held else ""
+    console.print(f"{met}{file}", soft_wrap=True)

@@ -1,7 +1,7 @@
 """Results as Markdown: one results.md per experiment, and REPORT.md, which says what all of them taught."""
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import msgspec
@@ -33,6 +33,8 @@ class Summary:
     """of them"""
     lost: int = 0
     """runs of the cases with expected figures that have no result or did not come to the end of the path"""
+    side_by_side: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    """by names of case and figure: what is shown beside other experiments"""
     machine: Mapping[str, str]
     """on which the runs were made, without its compiler, whose name is a path of that machine"""
 
@@ -69,6 +71,11 @@ def _summary(measured: MeasuredExperiment) -> Summary:
         expected=len(measured.verdicts()),
         missed=missed,
         lost=len(misses) - missed,
+        side_by_side={
+            case: {figure: measured.statistic(case, figure).text() for figure in settings.side_by_side}
+            for case in measured.cases
+            if settings.side_by_side
+        },
         machine={name: text for name, text in machine().items() if name != "compiler"},
     )
 
@@ -82,6 +89,7 @@ def write_report(folder: Path) -> None:
     summaries = {file.parent.name: _read_summary(file) for file in sorted(folder.glob(f"*/{SUMMARY_NAME}"))}
     blocks = ["# Experiments", "Made by `drawbar experiment`, anew after each of them; do not edit."]
     blocks += [*_opening(summaries.values()), "## All experiments", _overview(summaries), _machines(summaries.values())]
+    blocks += _side_by_side(summaries.values())
     with writing(file := folder / REPORT_NAME):
         file.write_text("\n\n".join(blocks) + "\n", "utf-8")
 
@@ -122,6 +130,20 @@ def _overview(summaries: Mapping[str, Summary]) -> str:
     return markdown_table(["experiment", "", "cases", "seeds", "expected figures", "missed"], rows)
 
 
+def _side_by_side(summaries: Iterable[Summary]) -> list[str]:
+    """Return a table of the cases that several experiments have, each with the figures that it shows of them."""
+    shown = [each for each in summaries if each.side_by_side]
+    cases = (
+        [case for case in shown[0].side_by_side if all(case in each.side_by_side for each in shown)] if shown else []
+    )
+    if len(shown) < 2 or not cases:
+        return []
+    rows = [[case, *(" / ".join(each.side_by_side[case].values()) for each in shown)] for case in cases]
+    figures = " / ".join(shown[0].side_by_side[cases[0]])
+    table = markdown_table(["", *(each.title for each in shown)], rows)
+    return ["## The same cases side by side", f"{figures}, mean over the seeds ± 95 % interval.", table]
+
+
 def _machines(summaries: Iterable[Summary]) -> str:
     """Say on what machine the runs were made, once for all experiments that share it."""
     titles: dict[str, list[str]] = {}
@@ -155,7 +177,7 @@ def _judgement(measured: MeasuredExperiment) -> list[str]:
         [
             verdict.case,
             verdict.figure,
-            verdict.statistic.text(2),
+            verdict.found,
             str(verdict.expected),
             "yes" if verdict.holds else "**missed**",
         ]

@@ -16,6 +16,7 @@ from drawbar.config import load_configuration
 from drawbar.errors import ConfigurationError
 from drawbar.experiment.alteration import Alteration, find_alteration
 from drawbar.experiment.columns import unknown_columns
+from drawbar.experiment.statistics import Statistic
 from drawbar.experiment.task import Task
 from drawbar.misspelt import meant
 from drawbar.settings import Positive, Settings
@@ -29,13 +30,15 @@ Texts = Annotated[tuple[str, ...], Field(strict=False)]
 
 
 class Expectation(Settings):
-    """What a figure's mean over the seeds must be: near a value, or within limits; in the figure's own unit."""
+    """What a figure must be: near a value, or within limits; in the figure's own unit. Its mean, or each run's."""
 
     value: float | None = None
     within: Positive | None = None
     """largest deviation from value, relative to it"""
     at_most: float | None = None
     at_least: float | None = None
+    in_every_run: bool = False
+    """the largest of all seeds must be at_most that, instead of their mean"""
 
     @model_validator(mode="after")
     def _one_of_two(self) -> Self:
@@ -44,10 +47,16 @@ class Expectation(Settings):
             raise ValueError("give either value and within, or at_most")
         if self.at_least is not None and not (self.at_most is not None and self.at_least < self.at_most):
             raise ValueError("at_least belongs to an at_most that is more; else give value and within")
+        if self.in_every_run and (self.at_most is None or self.at_least is not None):
+            raise ValueError("in_every_run belongs to an at_most alone")
         return self
 
+    def judged(self, statistic: Statistic) -> float:
+        """Return what of a figure's runs is judged."""
+        return statistic.largest if self.in_every_run else statistic.mean
+
     def holds(self, mean: float) -> bool:
-        """Tell whether a mean meets it; NaN never does."""
+        """Tell whether a mean, or the largest of all runs, meets it; NaN never does."""
         if self.value is not None and self.within is not None:
             return abs(mean - self.value) <= self.within * abs(self.value)
         least = -math.inf if self.at_least is None else self.at_least
@@ -56,7 +65,9 @@ class Expectation(Settings):
     def __str__(self) -> str:
         if self.value is not None and self.within is not None:
             return f"{self.value:g} ± {100.0 * self.within:g} %"
-        return f"≤ {self.at_most:g}" if self.at_least is None else f"{self.at_least:g} to {self.at_most:g}"
+        if self.at_least is not None:
+            return f"{self.at_least:g} to {self.at_most:g}"
+        return f"≤ {self.at_most:g}{' in every run' if self.in_every_run else ''}"
 
 
 class Variant(Settings):
@@ -94,6 +105,8 @@ class ExperimentSettings(Settings):
     """the reason why expected figures are missed, for the same place, likewise"""
     seeds: Annotated[int, Field(ge=1)] = 20
     """runs of each case, with the seeds 0, 1, …"""
+    side_by_side: Texts = ()
+    """figures that the report shows beside those of other experiments, for cases of the same name"""
     columns: Texts = ()
     """what is kept of a run step by step, see Task.columns"""
     rehearsed: bool = False

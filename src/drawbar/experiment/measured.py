@@ -40,8 +40,14 @@ class Verdict:
 
     @property
     def holds(self) -> bool:
-        """Whether the mean is as expected."""
-        return self.expected.holds(self.statistic.mean)
+        """Whether the mean, or the largest of all runs, is as expected."""
+        return self.expected.holds(self.expected.judged(self.statistic))
+
+    @property
+    def found(self) -> str:
+        """The mean and its interval, and the largest of all runs where that is judged."""
+        largest = f", largest {self.statistic.largest:.2f}" if self.expected.in_every_run else ""
+        return f"{self.statistic.text(2)}{largest}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -143,7 +149,7 @@ class MeasuredExperiment:
             if not result.metrics.finished
         ]
         missed = [
-            f"{verdict.case}: {verdict.figure} is {verdict.statistic.text(2)}, expected {verdict.expected}"
+            f"{verdict.case}: {verdict.figure} is {verdict.found}, expected {verdict.expected}"
             f"{self._no_such(verdict.figure)}"
             for verdict in self.verdicts()
             if not verdict.holds

@@ -43,9 +43,9 @@ class Task:
     seed: int
     """of all randomness in the simulated machine"""
     columns: tuple[str, ...] = ()
-    """kept step by step: names as in RunLog.column, error.BODY and progress.BODY of the true antennas, m, or
-    deviation.NAME, the standard deviation of a state or parameter of the estimator's model; of a rehearsed run only
-    watch.NAME (trial.py)"""
+    """kept step by step: names as in RunLog.column, error.BODY and progress.BODY of the true points on the
+    ground, m, or deviation.NAME, the standard deviation of a state or parameter of the estimator's model; of a
+    rehearsed run only watch.NAME (trial.py)"""
     one_core: bool = False
     """stay on a single core of the processor, for figures of time"""
     alterations: tuple[Alteration, ...] = ()
@@ -149,7 +149,7 @@ def _rehearse(task: Task) -> Result:
     from drawbar.experiment.trial import watch_trial  # it brings the whole machine along, which plain runs do not need
 
     configuration = Configuration.model_validate(tomllib.loads(task.configuration))
-    trial = watch_trial(configuration, task.seed, task.alterations)
+    trial = watch_trial(configuration, task.seed, [each.apply for each in task.alterations])
     log = trial.log()
     return Result(
         source=source_digest(),

@@ -3,9 +3,8 @@
 import math
 import random
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,9 +22,6 @@ from drawbar.recording.log import Outcome, RunLog
 from drawbar.safety.envelope import Bounds, Envelope
 from drawbar.signals import Pose, StepRecord
 from drawbar.simulation import build_path
-
-if TYPE_CHECKING:
-    from drawbar.experiment.alteration import Alteration
 
 LONGEST = 150.0
 """time in which the fault's place must be reached, s"""
@@ -187,10 +183,10 @@ def _joined(first: LinkFault, second: LinkFault) -> LinkFault:
     ]
 
 
-def watch_trial(configuration: Configuration, seed: int, alterations: "Sequence[Alteration]") -> Trial:
+def watch_trial(configuration: Configuration, seed: int, alterations: Iterable[Callable[[Trial], None]]) -> Trial:
     """Return a trial that has been watched, with these alterations, the last one's last."""
     trial = Trial(configuration, seed)
     for alteration in alterations:
-        alteration.apply(trial)
+        alteration(trial)
     trial.watch()
     return trial

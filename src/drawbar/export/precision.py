@@ -23,6 +23,8 @@ TOLERANCES = {
     "IP_TOLERANCE": ("1e-12", "1e-5"),
     "LDL_RAISED": ("1e-8", "1e-4"),
     "LDL_ROUNDING": ("1e-13", "1e-6"),
+    "LINE_FARTHEST": ("1e7", "1e4"),
+    "LINE_LONGEST": ("2e6", "1e4"),
     "LINE_REACHED": ("1e-13", "1e-5"),
     "LINE_SAME": ("1e-9", "1e-5"),
     "LOOSE": ("1e-12", "1e-6"),
@@ -44,7 +46,7 @@ _FUNCTIONS = (
 )
 _WORDS = re.compile(r'(/\*.*?\*/|"[^"\n]*")', re.DOTALL)
 """comments and strings"""
-_DOUBLE = re.compile(r"\bdouble(?=_values\b|_settings\b|\b)(?! time\b| time_stamp\b| memory\[)")
+_DOUBLE = re.compile(r"\bdouble(?=_values\b|_settings\b|\b)(?! time\b| time_stamp\b| wide\b| memory\[)")
 _FUNCTION = re.compile(rf"\b({'|'.join(_FUNCTIONS)})(?=\()")
 _NUMBER = re.compile(r"(?<![\w.])(\d+\.\d*(?:[eE][-+]?\d+)?|\d+[eE][-+]?\d+)(?![\w.])")
 _DEFINED = re.compile(rf"(?<=^#define )({'|'.join(TOLERANCES)}) (\S+)", re.MULTILINE)

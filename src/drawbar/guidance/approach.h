@@ -7,7 +7,7 @@
 #ifndef DRAWBAR_APPROACH_H
 #define DRAWBAR_APPROACH_H
 
-#include "apart.h"
+#include "noinline.h"
 #include "onto_line.h"
 #include "signals.h"
 
@@ -64,7 +64,7 @@ struct approach_unit {
     double cosine, sine;
 };
 
-static APART struct approach_unit approach_unit(double direction)
+static NOINLINE struct approach_unit approach_unit(double direction)
 {
     return (struct approach_unit){lane_cos(direction), lane_sin(direction)};
 }

@@ -20,6 +20,9 @@
 #define LINE_FARTHEST 1e7                  /* largest coordinate, m: PATH_FARTHEST */
 #define LINE_SEARCH 2.0                    /* m around where a recorded point was */
 
+typedef double wide;                       /* lengths and points of the whole line: a double in single precision, too, as
+                                            * the smoothed points are found to a share of their distance from the origin */
+
 enum { LINE_DIAGONAL, LINE_X = 4, LINE_Y = 5 };   /* of a row: the factor's band (0 to 3), the point */
 
 static inline double line_distance(const struct drawbar_line_point *a, const struct drawbar_line_point *b)
@@ -28,9 +31,9 @@ static inline double line_distance(const struct drawbar_line_point *a, const str
 }
 
 /* The length of the polyline (m), or 0 where it is none. */
-static inline double line_length(const struct drawbar_line_point *points, int32_t count)
+static inline wide line_length(const struct drawbar_line_point *points, int32_t count)
 {
-    double length = 0.0;
+    wide length = 0.0;
 
     for (int32_t i = 0; i < count; ++i) {
         if (!(fabs(points[i].x) <= LINE_FARTHEST && fabs(points[i].y) <= LINE_FARTHEST))
@@ -43,10 +46,10 @@ static inline double line_length(const struct drawbar_line_point *points, int32_
 }
 
 /* Points in equal steps along the polyline. */
-static inline void line_resample(const struct drawbar_line_point *points, int32_t count, double step,
+static inline void line_resample(const struct drawbar_line_point *points, int32_t count, wide step,
                                  struct drawbar_line_row *rows, int32_t n)
 {
-    double before = 0.0, piece = line_distance(&points[0], &points[1]);
+    wide before = 0.0, piece = line_distance(&points[0], &points[1]);
     int32_t at = 0;
 
     for (int32_t i = 0; i < n; ++i) {
@@ -55,17 +58,17 @@ static inline void line_resample(const struct drawbar_line_point *points, int32_
             ++at;
             piece = line_distance(&points[at], &points[at + 1]);
         }
-        const double share = fmin((i * step - before) / piece, 1.0);
-        rows[i].values[LINE_X] = points[at].x + share * (points[at + 1].x - points[at].x);
-        rows[i].values[LINE_Y] = points[at].y + share * (points[at + 1].y - points[at].y);
+        const wide share = fmin((i * step - before) / piece, 1.0);
+        rows[i].memory[LINE_X] = points[at].x + share * (points[at + 1].x - points[at].x);
+        rows[i].memory[LINE_Y] = points[at].y + share * (points[at + 1].y - points[at].y);
     }
 }
 
 /* An entry of the identity and stiffness D'D, D the third difference, `under` the diagonal. */
-static inline double line_entry(double stiffness, int32_t row, int under, int32_t n)
+static inline wide line_entry(wide stiffness, int32_t row, int under, int32_t n)
 {
     static const double third[4] = {-1.0, 3.0, -3.0, 1.0};
-    double sum = under == 0 ? 1.0 : 0.0;
+    wide sum = under == 0 ? 1.0 : 0.0;
 
     for (int k = under; k < 4; ++k)        /* the difference that begins at row - k */
         if (row - k >= 0 && row - k <= n - 4)
@@ -74,50 +77,50 @@ static inline double line_entry(double stiffness, int32_t row, int under, int32_
 }
 
 /* Move the points to where the sum above is least: one band of L D L'. */
-static inline void line_smooth(struct drawbar_line_row *rows, int32_t n, double stiffness)
+static inline void line_smooth(struct drawbar_line_row *rows, int32_t n, wide stiffness)
 {
     for (int32_t i = 0; i < n; ++i) {
-        double *row = rows[i].values;
+        wide *row = rows[i].memory;
         row[LINE_DIAGONAL] = line_entry(stiffness, i, 0, n);
         for (int k = i < 3 ? (int)i : 3; k > 0; --k) {
-            const double *other = rows[i - k].values;
+            const wide *other = rows[i - k].memory;
             row[k] = line_entry(stiffness, i, k, n);
             for (int m = k + 1; m <= 3 && i - m >= 0; ++m)
-                row[k] -= row[m] * rows[i - m].values[LINE_DIAGONAL] * other[m - k];
+                row[k] -= row[m] * rows[i - m].memory[LINE_DIAGONAL] * other[m - k];
             row[k] /= other[LINE_DIAGONAL];
         }
         for (int k = 1; k <= 3 && i - k >= 0; ++k) {
-            const double *other = rows[i - k].values;
+            const wide *other = rows[i - k].memory;
             row[LINE_DIAGONAL] -= row[k] * row[k] * other[LINE_DIAGONAL];
             row[LINE_X] -= row[k] * other[LINE_X];
             row[LINE_Y] -= row[k] * other[LINE_Y];
         }
     }
     for (int32_t i = n - 1; i >= 0; --i) {
-        double *row = rows[i].values;
+        wide *row = rows[i].memory;
         row[LINE_X] /= row[LINE_DIAGONAL];
         row[LINE_Y] /= row[LINE_DIAGONAL];
         for (int k = 1; k <= 3 && i + k < n; ++k) {
-            row[LINE_X] -= rows[i + k].values[k] * rows[i + k].values[LINE_X];
-            row[LINE_Y] -= rows[i + k].values[k] * rows[i + k].values[LINE_Y];
+            row[LINE_X] -= rows[i + k].memory[k] * rows[i + k].memory[LINE_X];
+            row[LINE_Y] -= rows[i + k].memory[k] * rows[i + k].memory[LINE_Y];
         }
     }
 }
 
 /* A coordinate of the control polygon, continued at both ends with the curvature that it has there. */
-static inline double line_polygon(const struct drawbar_line_row *rows, int32_t n, int32_t i, int axis)
+static inline wide line_polygon(const struct drawbar_line_row *rows, int32_t n, int32_t i, int axis)
 {
     if (i < 0)
-        return 3.0 * (rows[0].values[axis] - rows[1].values[axis]) + rows[2].values[axis];
+        return 3.0 * (rows[0].memory[axis] - rows[1].memory[axis]) + rows[2].memory[axis];
     if (i >= n)
-        return 3.0 * (rows[n - 1].values[axis] - rows[n - 2].values[axis]) + rows[n - 3].values[axis];
-    return rows[i].values[axis];
+        return 3.0 * (rows[n - 1].memory[axis] - rows[n - 2].memory[axis]) + rows[n - 3].memory[axis];
+    return rows[i].memory[axis];
 }
 
 /* The polygon's curvature at an inner point, 1/m. */
 static inline double line_curvature(const struct drawbar_line_row *rows, int32_t i)
 {
-    const double *a = rows[i - 1].values, *b = rows[i].values, *c = rows[i + 1].values;
+    const wide *a = rows[i - 1].memory, *b = rows[i].memory, *c = rows[i + 1].memory;
     const double ax = b[LINE_X] - a[LINE_X], ay = b[LINE_Y] - a[LINE_Y];
     const double bx = c[LINE_X] - b[LINE_X], by = c[LINE_Y] - b[LINE_Y];
 
@@ -125,7 +128,7 @@ static inline double line_curvature(const struct drawbar_line_row *rows, int32_t
 }
 
 /* The first point whose curvature, or its change, is out of the limits; -1: none. */
-static inline int32_t line_tight(const struct drawbar_line_row *rows, int32_t n, double step,
+static inline int32_t line_tight(const struct drawbar_line_row *rows, int32_t n, wide step,
                                  const struct drawbar_line_limits *limits)
 {
     double last = line_curvature(rows, 1);
@@ -139,38 +142,57 @@ static inline int32_t line_tight(const struct drawbar_line_row *rows, int32_t n,
     return -1;
 }
 
+/* A coordinate of a knot of the spline. */
+static inline wide line_knot(const struct drawbar_line_row *rows, int32_t n, int32_t i, int axis)
+{
+    return (line_polygon(rows, n, i - 1, axis) + 4.0 * rows[i].memory[axis] + line_polygon(rows, n, i + 1, axis)) / 6.0;
+}
+
 /* The nodes at the spline's knots. */
 static inline void line_nodes(const struct drawbar_line_row *rows, int32_t n, struct drawbar_path_node *nodes)
 {
+    wide along = 0.0;
+
     for (int32_t i = 0; i < n; ++i) {
-        const double xa = line_polygon(rows, n, i - 1, LINE_X), xb = line_polygon(rows, n, i + 1, LINE_X);
-        const double ya = line_polygon(rows, n, i - 1, LINE_Y), yb = line_polygon(rows, n, i + 1, LINE_Y);
-        const double yaw = atan2(yb - ya, xb - xa);
+        const wide xa = line_polygon(rows, n, i - 1, LINE_X), xb = line_polygon(rows, n, i + 1, LINE_X);
+        const wide ya = line_polygon(rows, n, i - 1, LINE_Y), yb = line_polygon(rows, n, i + 1, LINE_Y);
+        const wide yaw = atan2(yb - ya, xb - xa);
         const struct drawbar_path_node *last = &nodes[i - (i > 0)];
 
-        nodes[i].x = (xa + 4.0 * rows[i].values[LINE_X] + xb) / 6.0;
-        nodes[i].y = (ya + 4.0 * rows[i].values[LINE_Y] + yb) / 6.0;
+        nodes[i].x = line_knot(rows, n, i, LINE_X);
+        nodes[i].y = line_knot(rows, n, i, LINE_Y);
         if (i == 0) {
             nodes[i].arc_length = 0.0;
             nodes[i].yaw = yaw;
             continue;
         }
         const double turn = atan2(lane_sin(yaw - last->yaw), lane_cos(yaw - last->yaw)), half = 0.5 * turn;
-        const double chord = hypot(nodes[i].x - last->x, nodes[i].y - last->y);
+        const double chord = hypot(line_knot(rows, n, i, LINE_X) - line_knot(rows, n, i - 1, LINE_X),
+                                   line_knot(rows, n, i, LINE_Y) - line_knot(rows, n, i - 1, LINE_Y));
+        along += chord * (fabs(half) > 1e-9 ? half / sin(half) : 1.0);
         nodes[i].yaw = last->yaw + turn;
-        nodes[i].arc_length = last->arc_length + chord * (fabs(half) > 1e-9 ? half / sin(half) : 1.0);
+        nodes[i].arc_length = along;
     }
 }
 
-/* The first node from which the path itself is out of the limits; -1: none. */
-static inline int32_t line_undrivable(const struct path *path, const struct drawbar_line_limits *limits)
+/* The first node from which the path itself is out of the limits; -1: none. Each piece is looked at as if it began at the
+ * origin: elsewhere a float has too few digits for its curvature. */
+static inline int32_t line_undrivable(const struct drawbar_line_row *rows, const struct path *path,
+                                      const struct drawbar_line_limits *limits)
 {
+    struct drawbar_path_node ends[2] = {{0.0, 0.0, 0.0, 0.0}, {0.0, 0.0, 0.0, 0.0}};
+    const struct path piece = {ends, 2, NULL};
     double last[4] = {0.0}, at[4], middle[4];
 
     for (int32_t i = 0; i + 1 < path->count; ++i) {
-        const double begin = path->nodes[i].arc_length, length = path->nodes[i + 1].arc_length - begin;
-        drawbar_path_sample(path, begin, at);
-        drawbar_path_sample(path, begin + 0.5 * length, middle);
+        const double length = path->nodes[i + 1].arc_length - path->nodes[i].arc_length;
+        ends[0].yaw = path->nodes[i].yaw;
+        ends[1].arc_length = length;
+        ends[1].x = line_knot(rows, path->count, i + 1, LINE_X) - line_knot(rows, path->count, i, LINE_X);
+        ends[1].y = line_knot(rows, path->count, i + 1, LINE_Y) - line_knot(rows, path->count, i, LINE_Y);
+        ends[1].yaw = path->nodes[i + 1].yaw;
+        drawbar_path_sample(&piece, 0.0, at);
+        drawbar_path_sample(&piece, 0.5 * length, middle);
         const double rate = i > 0 ? fabs(at[AT_CURVATURE] - last[AT_CURVATURE]) / length : 0.0;
         if (!(fmax(fabs(at[AT_CURVATURE]), fabs(middle[AT_CURVATURE])) <= limits->curvature)
             || !(rate <= LINE_RATE_MARGIN * limits->curvature_rate))
@@ -182,9 +204,10 @@ static inline int32_t line_undrivable(const struct path *path, const struct draw
 
 /* The recorded point that is furthest from the path, where that is further than the tolerance; -1: none. */
 static inline int32_t line_far(const struct path *path, const struct drawbar_line_point *points, int32_t count,
-                               double step, double tolerance)
+                               wide step, double tolerance)
 {
-    double along = 0.0, furthest = tolerance;
+    double furthest = tolerance;
+    wide along = 0.0;
     int32_t far = -1;
 
     for (int32_t i = 0; i < count; ++i) {
@@ -208,7 +231,7 @@ int drawbar_line_path(const struct drawbar_line_point *points, int32_t count,
     if (points == NULL || limits == NULL || nodes == NULL || work == NULL || made == NULL)
         return DRAWBAR_LINE_NULL;
     *made = 0;
-    const double length = line_length(points, count);
+    const wide length = line_length(points, count);
     if (count < 2 || !(length >= LINE_SHORTEST && length <= LINE_LONGEST) || !(limits->curvature > 0.0)
         || !(limits->curvature_rate > 0.0) || !(limits->tolerance > 0.0))
         return DRAWBAR_LINE_POINTS;
@@ -216,7 +239,7 @@ int drawbar_line_path(const struct drawbar_line_point *points, int32_t count,
     *made = n;
     if (capacity < n)
         return DRAWBAR_LINE_MEMORY;
-    const double step = length / steps, ratio = fmin(LINE_DETAIL / step, n);
+    const wide step = length / steps, ratio = fmin(LINE_DETAIL / step, n);
     line_resample(points, count, step, work, n);
     line_smooth(work, n, ratio * ratio * ratio * ratio * ratio * ratio);
     const int32_t tight = line_tight(work, n, step, limits);
@@ -226,7 +249,7 @@ int drawbar_line_path(const struct drawbar_line_point *points, int32_t count,
     }
     line_nodes(work, n, nodes);
     const struct path path = {nodes, n, NULL};
-    const int32_t undrivable = line_undrivable(&path, limits);
+    const int32_t undrivable = line_undrivable(work, &path, limits);
     if (undrivable >= 0) {
         *made = undrivable;
         return DRAWBAR_LINE_TIGHT;

@@ -8,7 +8,7 @@
 #ifndef DRAWBAR_PREVIEW_H
 #define DRAWBAR_PREVIEW_H
 
-#include "apart.h"
+#include "noinline.h"
 #include "approach.h"
 #include "guidance.h"
 #include "unit.h"
@@ -183,7 +183,7 @@ static void preview_samples_beside(struct component *component, const struct pat
 }
 
 /* The same on any line, at a speed over ground, m/s. */
-static APART void preview_samples(struct component *component, const struct path *path, int body, double speed)
+static NOINLINE void preview_samples(struct component *component, const struct path *path, int body, double speed)
 {
     double places[STAGES + 1];
 

@@ -7,7 +7,7 @@
 #ifndef DRAWBAR_TURNS_H
 #define DRAWBAR_TURNS_H
 
-#include "apart.h"
+#include "noinline.h"
 #include "geometry.h"
 #include "lanes.h"
 #include "path.h"
@@ -74,7 +74,7 @@ static inline struct turn_circle turn_circle(const struct turn_limits *limits)
 }
 
 /* The distance between the ends of a turn by an angle (rad), m; negative: backwards. */
-static APART double turn_chord(const struct turn_limits *limits, const struct turn_circle *circle, double angle)
+static NOINLINE double turn_chord(const struct turn_limits *limits, const struct turn_circle *circle, double angle)
 {
     const double size = fabs(angle), ramp = sqrt(size / limits->rate);
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from drawbar.geometry import Floats
-from drawbar.machine.processes import first_order
+from drawbar.machine.random_processes import first_order
 from drawbar.machine.settings import BodySettings
 from drawbar.machine.terrain import Terrain
 from drawbar.vehicle.parameters import VehicleParameters

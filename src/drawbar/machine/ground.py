@@ -5,7 +5,7 @@ import numpy as np
 from drawbar.geometry import Floats
 from drawbar.machine.events import Bump, Event, SideSlope, SlipStep, active
 from drawbar.machine.plant import EFFECTS
-from drawbar.machine.processes import OrnsteinUhlenbeck
+from drawbar.machine.random_processes import OrnsteinUhlenbeck
 from drawbar.machine.settings import GroundSettings
 
 

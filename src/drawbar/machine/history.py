@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drawbar.geometry import Floats
-from drawbar.machine.settings import Delay
+from drawbar.machine.sensor_settings import Delay
 
 _REACH = 3.0
 """How far back it goes, s: the longest latency and four times the largest jitter"""

@@ -15,7 +15,8 @@ from drawbar.machine.low_level.low_level import (
     TableSensor,
 )
 from drawbar.machine.plant import COMMANDS, plant_constants, plant_step
-from drawbar.machine.settings import SimulatedMachineSettings, whole_steps
+from drawbar.machine.settings import SimulatedMachineSettings
+from drawbar.machine.steps import whole_steps
 from drawbar.vehicle.parameters import VehicleParameters
 
 _RANGE = 1.1

@@ -12,9 +12,10 @@ from drawbar.machine.command import accepted
 from drawbar.machine.history import History
 from drawbar.machine.physics.settings import PhysicsMachineSettings
 from drawbar.machine.plant import COMMANDS
-from drawbar.machine.senses import Senses
-from drawbar.machine.settings import SimulatedMachineSettings, steps_per_sample, whole_steps
+from drawbar.machine.settings import SimulatedMachineSettings
+from drawbar.machine.simulated_sensors import SimulatedSensors
 from drawbar.machine.slide import Slide
+from drawbar.machine.steps import steps_per_sample, whole_steps
 from drawbar.signals import Command, Measurement, Pose
 from drawbar.vehicle.parameters import VehicleParameters
 
@@ -25,7 +26,7 @@ BLOCK = 64
 class SampledMachine(MachineWithTruth):
     """Passes time when it is read; commands act after the actuators' dead time."""
 
-    _senses: Senses
+    _sensors: SimulatedSensors
     _history: History
 
     def __init__(
@@ -35,7 +36,7 @@ class SampledMachine(MachineWithTruth):
         sample_time: float,
         start: Pose,
     ) -> None:
-        """Take vehicle, settings and sample time (s); who inherits makes `_senses` and `_history`, and draws.
+        """Take vehicle, settings and sample time (s); who inherits makes `_sensors` and `_history`, and draws.
 
         Raises:
             ConfigurationError: the sample time is not a multiple of the step, the start is not finite, or no vehicle
@@ -62,7 +63,7 @@ class SampledMachine(MachineWithTruth):
         if self._begun:
             self._let_pass()
         self._begun = True
-        return self._senses.measure(self._sample, self._history)
+        return self._sensors.measure(self._sample, self._history)
 
     def write(self, command: Command) -> None:
         """Take over the command, which acts from now on.

@@ -1,30 +1,27 @@
 """Settings of the simulated machine; the defaults are those of docs/theory/simulated-machine.md."""
 
 import math
-from collections.abc import Mapping
-from typing import Annotated, ClassVar, Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, ValidationError, model_validator
 
 from drawbar.errors import ConfigurationError
 from drawbar.machine.events import Crab, Event, SlipFactor
 from drawbar.machine.low_level.settings import LowLevelSettings
+from drawbar.machine.sensor_settings import AttitudeSensors, DelaySettings, MastErrors, SensorSettings
+from drawbar.machine.steps import demand_whole_steps
 from drawbar.settings import (
     Angle,
     DeadTime,
     Length,
     NonNegative,
     NonNegativeAngle,
-    Offset,
     Positive,
     PositiveAngle,
     Settings,
     Speed,
 )
 from drawbar.vehicle.parameters import VehicleParameters
-from drawbar.vehicle.sensors import SensorNoise
-
-_NOISE = SensorNoise()
 
 
 class ActuatorSettings(Settings):
@@ -109,27 +106,6 @@ class GroundSettings(Settings):
     """alpha_i, of the trailer's axle"""
 
 
-class SensorSettings(Settings):
-    """Errors of the sensors, standard deviations."""
-
-    position: NonNegative = _NOISE.position
-    """white part of each coordinate, m"""
-    position_drift: NonNegative = 0.0
-    """correlated part of each coordinate (first-order Gauss-Markov), m"""
-    drift_time: Positive = 60.0
-    """correlation time of the drift, s"""
-    hitch_angle: NonNegativeAngle = _NOISE.hitch_angle
-    """rad"""
-    speed: NonNegative = _NOISE.speed
-    """m/s"""
-    steering: NonNegativeAngle = 0.0
-    """of both steering angles, before they are rounded, rad"""
-    steering_resolution: PositiveAngle = math.radians(1.0)
-    """both steering angles are rounded to multiples of this, rad"""
-    quality: bool = False
-    """the receivers say how they found a fix and how far off it may be"""
-
-
 class TerrainSettings(Settings):
     """The ground's height, see machine/terrain.py; the defaults are a plane without slope."""
 
@@ -171,87 +147,6 @@ class BodySettings(Settings):
     """time constant with which roll and pitch follow the ground, s"""
     trailer_suspension: Positive = 0.1
     """time constant with which roll and pitch follow the ground, s"""
-
-
-class MastError(Settings):
-    """How far an antenna truly stands from where `vehicle.masts` says, along its body's axes."""
-
-    forward: Offset = 0.0
-    """m"""
-    left: Offset = 0.0
-    """m"""
-    up: Offset = 0.0
-    """m"""
-
-
-class MastErrors(Settings):
-    """How far both antennas truly stand from where `vehicle.masts` says."""
-
-    tractor: MastError = MastError()
-    trailer: MastError = MastError()
-
-
-class AttitudeSensorSettings(Settings):
-    """The attitude sensor of one body: roll, pitch, yaw rate."""
-
-    present: bool = False
-    """without it all three are missing"""
-    noise: NonNegativeAngle = math.radians(0.3)
-    """white part of roll and pitch, standard deviation, rad"""
-    roll_bias: Angle = 0.0
-    """constant part of the roll: the sensor is mounted askew, rad"""
-    pitch_bias: Angle = 0.0
-    """constant part of the pitch, rad"""
-    yaw_rate_noise: NonNegativeAngle = math.radians(0.3)
-    """white part of the yaw rate, of which the trailer's is recorded only, standard deviation, rad/s"""
-    yaw_rate_bias: Angle = 0.0
-    """constant part of the yaw rate, rad/s"""
-
-
-class YawSensorSettings(Settings):
-    """A receiver with two antennas on the tractor, which tells where that faces."""
-
-    present: bool = False
-    """without it the yaw is missing"""
-    noise: NonNegativeAngle = math.radians(0.3)
-    """white part, standard deviation, rad"""
-    bias: Angle = 0.0
-    """constant part: the antennas' line is not the one that is stated, rad"""
-
-
-class AttitudeSensors(Settings):
-    """The attitude sensors of both bodies."""
-
-    tractor: AttitudeSensorSettings = AttitudeSensorSettings()
-    trailer: AttitudeSensorSettings = AttitudeSensorSettings()
-    yaw: YawSensorSettings = YawSensorSettings()
-    """of the tractor, as old as the rest"""
-
-
-class Delay(Settings):
-    """How old what a sensor reports is."""
-
-    latency: Annotated[NonNegative, Field(le=1.0)] = 0.0
-    """constant part, s"""
-    jitter: Annotated[NonNegative, Field(le=0.5)] = 0.0
-    """standard deviation of what comes on top, never below an age of zero, s"""
-
-
-class DelaySettings(Settings):
-    """How old what the sensors report is."""
-
-    former_keys: ClassVar[Mapping[str, str]] = {"told": "reported"}
-
-    fix: Delay = Delay()
-    """of both positions"""
-    hitch_angle: Delay = Delay()
-    speed: Delay = Delay()
-    steering: Delay = Delay()
-    """of both steering angles"""
-    attitude: Delay = Delay()
-    """of both bodies' roll, pitch and yaw rate, and the tractor's yaw"""
-    reported: bool = True
-    """the measurement says how old its values are"""
 
 
 class LengthFactors(Settings):
@@ -318,29 +213,3 @@ class SimulatedMachineSettings(Settings):
         if self.low_level.kind == "valve":
             demand_whole_steps("low_level.dead_time", self.low_level.dead_time, self.step)
         return self
-
-
-def whole_steps(duration: float, step: float) -> int | None:
-    """Return how many steps make up the duration, or None when it is not a multiple of the step."""
-    steps = round(duration / step)
-    return steps if math.isclose(steps * step, duration, rel_tol=1e-9, abs_tol=1e-12) else None
-
-
-def demand_whole_steps(name: str, duration: float, step: float) -> None:
-    """Raise ValueError where a duration of the settings, s, is not a multiple of the integration step."""
-    if whole_steps(duration, step) is None:
-        raise ValueError(f"{name} = {duration} s is not a multiple of step = {step} s; round it to a multiple")
-
-
-def steps_per_sample(sample_time: float, step: float) -> int:
-    """Return how many integration steps make up a sample.
-
-    Raises ConfigurationError when the sample time is not a positive multiple of the step.
-    """
-    steps = whole_steps(sample_time, step)
-    if not steps:
-        raise ConfigurationError(
-            f"the sample time {sample_time} s is not a positive multiple of machine.step = {step} s; "
-            "set machine.step so that it divides the sample time, such as 0.01"
-        )
-    return steps

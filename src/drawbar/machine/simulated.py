@@ -12,8 +12,8 @@ from drawbar.machine.history import BodyMoment, History, Moment
 from drawbar.machine.motion import LagMotion, Motion, ValveMotion
 from drawbar.machine.plant import EFFECTS
 from drawbar.machine.sampled import BLOCK, SampledMachine
-from drawbar.machine.senses import Senses
 from drawbar.machine.settings import SimulatedMachineSettings
+from drawbar.machine.simulated_sensors import SimulatedSensors
 from drawbar.machine.slide import Slide
 from drawbar.machine.terrain import Terrain
 from drawbar.signals import Pose, Truth
@@ -54,7 +54,7 @@ class SimulatedMachine(SampledMachine):
         rng = np.random.default_rng(seed)
         self._ground = Ground(settings.ground, settings.events, settings.step, rng)
         history_rng, attitude_rng, floating_rng = (np.random.default_rng((seed, stream)) for stream in range(2, 5))
-        self._senses = Senses(
+        self._sensors = SimulatedSensors(
             vehicle=self._vehicle,
             settings=settings,
             sample_time=sample_time,
@@ -160,7 +160,7 @@ class SimulatedMachine(SampledMachine):
         steps = self._sample * self._steps + np.arange(BLOCK * self._steps, dtype=np.float64)
         effects = self._ground.block(self._settings.step * steps)
         self._effects = effects.reshape(BLOCK, self._steps, EFFECTS)
-        self._senses.draw(samples)
+        self._sensors.draw(samples)
 
 
 def _trailer_point(

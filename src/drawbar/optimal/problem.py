@@ -39,7 +39,8 @@ class Bound:
         )
         if not self.lower <= self.upper:
             raise SolverError(
-                f"A bound needs lower <= upper, got lower = {self.lower} and upper = {self.upper}; exchange them."
+                f"A bound needs lower <= upper, got lower = {self.lower} and upper = {self.upper}; give two numbers "
+                f"in this order, infinite where there is no bound."
             )
         if self.lower == math.inf or self.upper == -math.inf:
             raise SolverError(

@@ -11,6 +11,7 @@ from drawbar.optimal.given import given_array
 from drawbar.optimal.problem import ControlProblem, EstimationProblem
 from drawbar.optimal.residuals import Residuals, Solution, residuals
 from drawbar.optimal.settings import write_settings
+from drawbar.optimal.solver_source import introspection, solver_source
 from drawbar.optimal.transcription import transcribe
 from drawbar.optimal.views import Guarded, StageBounds
 from drawbar.signals import SolverStatus
@@ -29,9 +30,9 @@ class RealTimeIteration(Guarded):
 
     def __init__(self, problem: ControlProblem | EstimationProblem) -> None:
         transcription = transcribe(problem)
-        self.source = transcription.source()
+        self.source = solver_source(transcription)
         """C unit of the solver"""
-        self.workspace = Workspace(build(transcription.name, self.source + transcription.introspection()))
+        self.workspace = Workspace(build(transcription.name, self.source + introspection(transcription)))
         write_settings(self.workspace, problem, transcription)
         self.workspace.function("lay_down")()
         array = self.workspace.array

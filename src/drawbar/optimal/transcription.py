@@ -1,4 +1,4 @@
-"""Transcription by multiple shooting: from a problem declaration to the C source of its solver."""
+"""Transcription by multiple shooting: from a problem declaration to what its solver is made of."""
 
 import math
 from collections import Counter
@@ -10,9 +10,6 @@ import casadi as ca
 
 from drawbar.codegen.emit import emit_indices
 from drawbar.optimal.augmentation import Augmentation, augment, change_name
-from drawbar.optimal.frame import BARE, BARE_WINDOW, PHASES, SOLVER_FIELDS, TABLE, UNIT, WINDOW_PHASES
-from drawbar.optimal.functions import functions
-from drawbar.optimal.given import LARGEST_INPUT
 from drawbar.optimal.problem import Bound, ControlProblem, EstimationProblem
 from drawbar.vehicle.integrators import Attempt, Integrator, attempt, discretise
 from drawbar.vehicle.model import Constant, by_name, constant, with_values
@@ -123,45 +120,9 @@ class Transcription:
         step, output = with_values([self.next_state, self.output], self.constants)
         return replace(self, next_state=step, output=output, constants=())
 
-    def source(self, component: str = "") -> str:
-        """Return the C unit of this problem's solver.
-
-        component: header that makes the solver a component of the autopilot. It defines `struct component`, which
-            begins with the solver (an estimator's with solver and window), and its COMPONENT_FIELDS; empty: the
-            solver is all there is.
-        """
-        nx, nu = self.x.numel(), self.u.numel()
-        return UNIT.format(
-            horizon=self.intervals,
-            held="" if self.held == 1 else f"#define INTERVALS {self.held}\n",
-            states=nx,
-            inputs=nu,
-            parameters=self.p.numel(),
-            outputs=self.output.numel(),
-            bounds=len(self.bounds),
-            still_states=self.still_states,
-            constant_states=self.constant_states,
-            constants=len(self.constants),
-            cross=int(self.crosses),
-            free=int(self.free_initial),
-            leaving=int(self.arrival),
-            added=int(self.added),
-            columns=int(not self.answered),
-            iterations=self.iterations,
-            largest=LARGEST_INPUT,
-            header="window.h" if self.arrival else "rti.h",
-            functions=functions(self),
-            names=self.indices() if component else "",
-            component=f'#include "{component}"' if component else BARE_WINDOW if self.arrival else BARE,
-        )
-
     def indices(self) -> str:
         """Return C enumerations of the indices into x, u, p and output: X_SPEED, for one."""
         return emit_indices(self.names)
-
-    def introspection(self) -> str:
-        """Return what a caller in another language needs besides the unit: fields by name, the solver's phases."""
-        return TABLE % SOLVER_FIELDS + PHASES + (WINDOW_PHASES if self.arrival else "")
 
 
 def transcribe(problem: ControlProblem | EstimationProblem) -> Transcription:

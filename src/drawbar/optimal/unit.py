@@ -9,6 +9,7 @@ from drawbar.codegen import Unit, Workspace
 from drawbar.optimal.frame import SOLVER_FIELDS
 from drawbar.optimal.problem import ControlProblem, EstimationProblem
 from drawbar.optimal.settings import write_settings
+from drawbar.optimal.solver_source import solver_source
 from drawbar.optimal.transcription import transcribe
 
 
@@ -30,7 +31,7 @@ def solver_unit(
     Args:
         name: of the unit.
         problem: the problem.
-        header: that makes the solver a component, see Transcription.source.
+        header: that makes the solver a component, see solver_source.
         settings: the component's own, by name, or what writes them.
 
     Raises:
@@ -47,7 +48,7 @@ def solver_unit(
 
     return SolverUnit(
         name=name,
-        source=transcription.source(header),
+        source=solver_source(transcription, header),
         configure=configure,
         fields=SOLVER_FIELDS,
         constants="rti_constants(&component->rti)",

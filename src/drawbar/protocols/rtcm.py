@@ -89,9 +89,7 @@ class RtcmStatus:
         self.types: Counter[int] = Counter()
         """frames of each message type"""
         self.station: int | None = None
-        """reference station; another one means that the base was switched: positions may jump"""
-        self.station_changed = -math.inf
-        """when the station became another one, s; -inf: never"""
+        """reference station"""
         self._observed = -math.inf
 
     def take(self, time: float, frame: bytes) -> None:
@@ -100,10 +98,7 @@ class RtcmStatus:
         self.types[kind] += 1
         if kind in _OBSERVATIONS:
             self._observed = time
-        if station is not None and station != self.station:
-            if self.station is not None:
-                self.station_changed = time
-            self.station = station
+        self.station = self.station if station is None else station
 
     def observation_age(self, time: float) -> float:
         """Return how long ago the last observations came, s; inf: never."""

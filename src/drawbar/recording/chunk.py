@@ -120,10 +120,15 @@ class Chunk:
         """Make it complete, the messages' index behind it; return what the summary says of the chunk."""
         times = [entries[::2] for entries in self._messages.values()]
         span = min(map(min, times)), max(map(max, times))
-        start, compressed = self._compress(self._compressor, span) if self._compressor else self._close(span)
+        messages = self._messages
+        if self._compressor:
+            content, messages = self._by_channel()
+            start, compressed = self._compress(self._compressor, content, span)
+        else:
+            start, compressed = self._close(span)
         behind = self._stream.seek(0, SEEK_END)
         indices, offsets = list[bytes](), {}
-        for channel, entries in self._messages.items():
+        for channel, entries in messages.items():
             offsets[channel] = behind + sum(map(len, indices))
             indices.append(_message_index(channel, entries))
         self._stream.write(b"".join(indices))
@@ -148,10 +153,9 @@ class Chunk:
         _write(self._stream, self._start, head[: FRAME.size])
         return self._start, self.size
 
-    def _compress(self, compressor: zstandard.ZstdCompressor, span: tuple[int, int]) -> tuple[int, int]:
-        """Write the chunk compressed; return where it begins, and the size of its records then."""
-        with self._records.getbuffer() as records:
-            content = compressor.compress(self._by_channel(records[: self.size]))
+    def _compress(self, compressor: zstandard.ZstdCompressor, records: bytes, span: tuple[int, int]) -> tuple[int, int]:
+        """Write the records compressed; return where the chunk begins, and their size then."""
+        content = compressor.compress(records)
         head = _chunk_head(span, self.size, 0, COMPRESSION, len(content))  # the frame has a checksum
         if self._is_in_file:
             self.flush()  # what takes its place is shorter then, and nothing stays void
@@ -160,17 +164,23 @@ class Chunk:
         self._stream.writelines((head, content))
         return start, len(content)
 
-    def _by_channel(self, records: memoryview) -> bytes | memoryview:
-        """Return the records with those of a channel together, and note where each lies now."""
+    def _by_channel(self) -> tuple[bytes, dict[int, list[int]]]:
+        """Return the records with those of a channel together, and where each lies then.
+
+        Nothing of the chunk changes: who is interrupted here may end it once more.
+        """
+        with self._records.getbuffer() as buffer:
+            records = bytes(buffer[: self.size])
         if len(self._messages) == 1:
-            return records
-        together, place = list[memoryview](), 0
-        for entries in self._messages.values():
+            return records, self._messages
+        together, moved, place = list[bytes](), dict[int, list[int]](), 0
+        for channel, entries in self._messages.items():
+            moved[channel] = entries.copy()
             for i in range(1, len(entries), 2):
                 begin, (_, length) = entries[i], FRAME.unpack_from(records, entries[i])
                 together.append(records[begin : begin + FRAME.size + length])
-                entries[i], place = place, place + FRAME.size + length
-        return b"".join(together)
+                moved[channel][i], place = place, place + FRAME.size + length
+        return b"".join(together), moved
 
 
 def _chunk_head(span: tuple[int, int], size: int, crc: int, compression: str, compressed: int) -> bytes:

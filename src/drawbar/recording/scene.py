@@ -5,8 +5,8 @@ of their antennas, on the ground. Needs the extra `machine` (foxglove-sdk).
 """
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -28,6 +28,7 @@ from foxglove.messages import (
     Vector3,
 )
 
+from drawbar.control.tube.tube import SubsystemTube, Tubes
 from drawbar.geometry import Floats, LocalFrame
 from drawbar.guidance.path import Path
 from drawbar.signals import BodyPlan, StepRecord
@@ -44,6 +45,8 @@ _GRID = 1024.0
 """places in a metre: what is drawn to a millimetre has short mantissas, and compresses"""
 _PLAN_GRID, _TURNS = 256.0, 2.0**20
 """places of a plan in a metre, and of a quaternion's numbers in one, likewise"""
+_TUBE = 0.2
+"""opacity of a tube"""
 _DRAWN = 5000
 """points of the path, at most"""
 
@@ -56,6 +59,8 @@ class Scene:
     vehicle: VehicleParameters
     frame: LocalFrame | None = None
     """of the path; None: not known, and there is no map"""
+    reach: Mapping[str, float] = field(default_factory=dict)
+    """how far a body's tube reaches to either side of its plan, m; a body without a set is not in it"""
 
     def standing(self, time: int) -> Iterator[tuple[str, Any]]:
         """Yield topic and message of what does not change, at a time in ns: the path and the bodies' shapes."""
@@ -77,7 +82,8 @@ class Scene:
         ]
         yield "/tf", FrameTransforms(transforms=known)
         plans = ((TRACTOR, record.plan.tractor), (TRAILER, record.plan.trailer))
-        drawn = [_plan(time, body, plan) for body, plan in plans if math.isfinite(float(plan.poses.sum()))]
+        known_plans = [(body, plan) for body, plan in plans if math.isfinite(float(plan.poses.sum()))]
+        drawn = [_plan(time, body, plan, self.reach.get(body, 0.0)) for body, plan in known_plans]
         if drawn:
             yield "/plan", SceneUpdate(entities=drawn)
 
@@ -117,15 +123,28 @@ class Scene:
         return SceneEntity(timestamp=_stamp(time), frame_id=body, id=body, frame_locked=True, cubes=boxes, lines=tool)
 
 
-def _plan(time: int, body: str, plan: BodyPlan) -> SceneEntity:
-    """Return a plan as a line through every other of its poses."""
+def tube_reach(tubes: Tubes | None, vehicle: VehicleParameters) -> dict[str, float]:
+    """Return how far each body's tube reaches to either side of its plan, m; of those bodies that have a set.
+
+    A trailer whose error is its joint's angle is drawn as far aside as that angle moves its axle.
+    """
+    bodies = {} if tubes is None else {TRACTOR: tubes.tractor, TRAILER: tubes.trailer}
+    return {body: _reach(tube, vehicle) for body, tube in bodies.items() if tube.invariant_set is not None}
+
+
+def _reach(tube: SubsystemTube, vehicle: VehicleParameters) -> float:
+    states = list(tube.model.states)
+    aside = "lateral" if "lateral" in states else "articulation"
+    extent = float(tube.support(np.eye(len(states)))[states.index(aside)])
+    return extent if aside == "lateral" else math.sin(extent) * vehicle.trailer_length
+
+
+def _plan(time: int, body: str, plan: BodyPlan, reach: float) -> SceneEntity:
+    """Return a plan as a line through every other of its poses, in the middle of its tube."""
     r, g, b = _PLANS[body]
-    return SceneEntity(
-        timestamp=_stamp(time),
-        frame_id=FIELD,
-        id=body,
-        lines=[_line(plan.poses[::2, :2], Color(r=r, g=g, b=b, a=1.0), 0.06, _PLAN_GRID)],
-    )
+    widths = [(0.06, 1.0), *([(2.0 * reach, _TUBE)] if reach > 0.0 else [])]
+    lines = [_line(plan.poses[::2, :2], Color(r=r, g=g, b=b, a=a), width, _PLAN_GRID) for width, a in widths]
+    return SceneEntity(timestamp=_stamp(time), frame_id=FIELD, id=body, lines=lines)
 
 
 def _transform(time: int, body: str, place: Place) -> FrameTransform:

@@ -7,6 +7,8 @@ from drawbar.geometry import Floats
 
 POINTS = 3000
 """at most about so many points of a curve are drawn; more than any screen shows"""
+POSES = 10_000
+"""at most about so many points of a track are drawn"""
 
 Indices = NDArray[np.intp]
 
@@ -37,6 +39,6 @@ def extremes(values: Floats) -> Indices:
     return indices[indices < count]
 
 
-def thinned(count: int, most: int = 10_000) -> Indices:
-    """Return at most about so many of `count` indices at equal distances, the last one included."""
-    return np.unique(np.append(np.arange(0, count, max(-(-count // most), 1)), max(count - 1, 0)))[:count]
+def thinned(count: int) -> Indices:
+    """Return at most about POSES of `count` indices at equal distances, the last one included."""
+    return np.unique(np.append(np.arange(0, count, max(-(-count // POSES), 1)), max(count - 1, 0)))[:count]

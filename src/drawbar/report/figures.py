@@ -208,5 +208,7 @@ def solve_time_figure(log: Columns) -> Figure:
         hover = "%{y:.1f} % of steps near %{x:.2f} µs"
         traces.append(line(x, y, name, _SOLVERS[solver], dash=dash, width=1.8, hovertemplate=hover, fill="tozeroy"))
         traces[-1]["fillcolor"] = _SOLVERS[solver] + "1A"
-    x_axis = axis("Time of one call, µs", type="log", dtick="D2")
+    digits = (1, 2, 5) if high - low < 3.0 else (1,)  # plotly's own second and fifth label of a decade have no zeros
+    ticks = [digit * 10.0**power for power in range(-3, 8) for digit in digits]
+    x_axis = axis("Time of one call, µs", type="log", tickvals=ticks, tickformat="~g")
     return {"data": traces, "layout": layout(x_axis, axis("Share of steps, %", rangemode="tozero"))}

@@ -136,7 +136,7 @@ def _allowed(annotation: Any, metadata: Sequence[Any]) -> str:
     if get_origin(annotation) is not None:
         return f"table of {_allowed(get_args(annotation)[1], ())}"
     limits = _limits(metadata)
-    kind = {float: "number", int: "integer", str: "text", bool: "true, false"}.get(annotation, "")
+    kind = {float: "number", int: "integer", str: "text", bool: "true, false"}.get(annotation, "section")
     return f"{kind} {limits}".strip()
 
 

@@ -11,7 +11,7 @@ from rich.text import Text
 _REFRESH = 0.2
 """s between two pictures of a terminal"""
 _PLAIN_REFRESH = 5.0
-"""s between two lines of a file or pipe"""
+"""s between two lines of a file or pipe, and before the first"""
 
 
 class LiveLine:
@@ -22,7 +22,7 @@ class LiveLine:
         self._console = console
         self._live = Live(console=console, auto_refresh=False, transient=True) if console.is_terminal else None
         self._period = _REFRESH if self._live else _PLAIN_REFRESH
-        self._next = 0.0
+        self._next = 0.0 if self._live else time.perf_counter() + self._period
 
     def due(self) -> bool:
         """Return whether it is time for another picture."""
@@ -38,7 +38,7 @@ class LiveLine:
         if self._live:
             self._live.update(line, refresh=True)
         else:
-            self._console.print(line)
+            self._console.print(line, soft_wrap=True)
 
     def __enter__(self) -> Self:
         if self._live:

@@ -101,7 +101,7 @@ def _start(path: Path, track: Floats, near: Floats) -> float:
     away = complex(*(place - (x, y))) * np.exp(-1j * yaw)
     if abs(away.real) <= _NEAR and abs(away.imag) <= _ASIDE:
         return start
-    arc_lengths = np.arange(0.0, path.length, _PLACES)
+    arc_lengths = np.arange(-_ASIDE, path.length + _ASIDE, _PLACES)
     distances = np.linalg.norm(path.sample(arc_lengths)[:, :2] - place, axis=1)
     nearest = arc_lengths[distances <= distances.min() + _PLACES]
     return float(nearest[np.abs(nearest - start).argmin()])

@@ -24,27 +24,27 @@ def controller_pair() -> tuple[socket.socket, socket.socket]:
     return ours, theirs
 
 
-def open_desk(path: str) -> socket.socket:
+def open_operator_socket(path: str) -> socket.socket:
     """Open the operators' socket at a path, for this user only.
 
     Raises:
         HardwareError: it cannot be opened there.
     """
-    desk = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+    operators = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
     before = os.umask(0o177)
     try:
         if os.path.exists(path) and stat.S_ISSOCK(os.stat(path).st_mode):
             os.unlink(path)  # left by a gate that was killed
-        desk.bind(path)
+        operators.bind(path)
     except OSError as error:
-        desk.close()
+        operators.close()
         raise HardwareError(
             f"the operators' socket {path} cannot be opened: {error}. Give the path of a new file, shorter than 100 "
             f"characters, in a folder of your own."
         ) from error
     finally:
         os.umask(before)
-    return desk
+    return operators
 
 
 class ControllerChannel:
@@ -83,13 +83,13 @@ class ControllerChannel:
         self._socket.close()
 
 
-class DeskChannel:
+class OperatorChannel:
     """The operators' socket, and the subscribers of the gate's state: given at the start, or senders of a message."""
 
-    def __init__(self, desk: socket.socket, subscribers: tuple[str, ...]) -> None:
+    def __init__(self, operators: socket.socket, subscribers: tuple[str, ...]) -> None:
         """Take the bound socket, and the paths of permanent subscribers."""
-        desk.setblocking(False)
-        self._socket, self._fixed = desk, subscribers
+        operators.setblocking(False)
+        self._socket, self._fixed = operators, subscribers
         self._senders: dict[str, None] = {}
 
     def fileno(self) -> int:

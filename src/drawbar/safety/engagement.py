@@ -92,7 +92,7 @@ class Situation:
     causes: tuple[Cause, ...]
     """present now (conditions.py)"""
     actions: frozenset[Action] = frozenset()
-    """of operators since the last update, those that `answer` and the desk accepted"""
+    """of operators since the last update, those that were accepted"""
     overridden: bool = False
     """an actuator says that the operator took over"""
     taken: bool = False

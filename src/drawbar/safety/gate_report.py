@@ -9,8 +9,8 @@ from drawbar.messages import GateState, SupervisorState, nanoseconds
 from drawbar.protocols.actuator import SteeringReport
 from drawbar.protocols.speed_actuator import SpeedReport
 from drawbar.safety.causes import Cause, Response
-from drawbar.safety.desk import Desk
 from drawbar.safety.engagement import ENGAGING, STOPPING, Engagement
+from drawbar.safety.operator_requests import OperatorRequests
 
 REFUSALS = 8
 COUNTS = 2**32
@@ -78,7 +78,9 @@ class Counts:
     dropped: int = 0
 
 
-def gate_state(tick: Tick, engagement: Engagement, desk: Desk, counts: Counts, *, valid: float) -> GateState:
+def gate_state(
+    tick: Tick, engagement: Engagement, requests: OperatorRequests, counts: Counts, *, valid: float
+) -> GateState:
     """Return the record of a tick, which means something for `valid` s."""
     now, actuation, time = tick.now, tick.actuation, nanoseconds(tick.now)
     tractor, trailer = (
@@ -95,9 +97,9 @@ def gate_state(tick: Tick, engagement: Engagement, desk: Desk, counts: Counts, *
         stop=2 if engagement.hurries(now) else int(engagement.state in (STOPPING, SupervisorState.FAULT)),
         armed=engagement.armed(now),
         cause=_code(engagement.cause),
-        answer=_code(desk.answer),
-        answered=desk.answered,
-        lease=desk.lease,
+        answer=_code(requests.answer),
+        answered=requests.answered,
+        lease=requests.lease,
         since=nanoseconds(engagement.since),
         refusals=_refusals(engagement, tick.causes),
         remaining=engagement.remaining(now),
@@ -108,12 +110,12 @@ def gate_state(tick: Tick, engagement: Engagement, desk: Desk, counts: Counts, *
         tractor_set_point=tractor.set_point,
         trailer_set_point=trailer.set_point,
         speed_limit=tick.speed_limit,
-        set_speed=desk.set_speed,
-        nudge=desk.nudge,
+        set_speed=requests.set_speed,
+        nudge=requests.nudge,
         clips=counts.clips % COUNTS,
         rejects=counts.rejects % COUNTS,
         dropped=counts.dropped % COUNTS,
-        line=desk.line,
+        line=requests.line,
     )
 
 

@@ -14,13 +14,13 @@ from drawbar.protocols.actuator import SteeringReport, SteeringRequest
 from drawbar.protocols.speed_actuator import SpeedReport, SpeedRequest
 from drawbar.realtime import suspended_time
 from drawbar.safety.causes import Cause
-from drawbar.safety.channels import ControllerChannel, DeskChannel
+from drawbar.safety.channels import ControllerChannel, OperatorChannel
 from drawbar.safety.conditions import present
-from drawbar.safety.desk import Desk
 from drawbar.safety.engagement import DEGRADED, STOPPING, Engagement, Situation
 from drawbar.safety.envelope import Bounds, Envelope
 from drawbar.safety.following import Following
 from drawbar.safety.gate_report import Actuation, Counts, Tick, gate_state
+from drawbar.safety.operator_requests import OperatorRequests
 from drawbar.safety.selftest import limits_hold
 from drawbar.safety.settings import SafetySettings
 from drawbar.safety.watch import Watch
@@ -41,14 +41,14 @@ class Gate:
         bounds: Bounds,
         wires: Sequence[Wire],
         controller: ControllerChannel,
-        desk: DeskChannel,
+        operators: OperatorChannel,
     ) -> None:
         """Begin in BOOT, with nothing received; the first tick tells the actuators to release."""
         self._settings = settings
-        self.wires, self.controller, self.channel = Wires(wires), controller, desk
+        self.wires, self.controller, self.channel = Wires(wires), controller, operators
         self.engagement = Engagement(settings, sound=limits_hold(settings, bounds))
         self.watch = Watch(settings, drives=self.wires.drives)
-        self._desk = Desk(settings, self.engagement)
+        self._requests = OperatorRequests(settings, self.engagement)
         self._envelope = Envelope(settings, bounds)
         self._followings = (Following(settings.drive), Following(settings.drive))
         self._taken: set[int] = set()  # actuators that have said that they steer since they were asked to
@@ -59,7 +59,7 @@ class Gate:
     def receive(self, now: float) -> bool:
         """Take in all that has arrived; return whether to tick before it is due: a new command does not wait."""
         self.wires.receive()
-        urgent = self._receive_controller(now) | self._receive_desk(now)
+        urgent = self._receive_controller(now) | self._receive_operators(now)
         return self.engagement.steers and (urgent or not self.watch.command_valid(now))
 
     def _receive_controller(self, now: float) -> bool:
@@ -95,13 +95,13 @@ class Gate:
         # while it is eased a command is limited because that is what easing is
         self._clips_in_a_row = self._clips_in_a_row + 1 if limited.clipped and not eased else 0
 
-    def _receive_desk(self, now: float) -> bool:
+    def _receive_operators(self, now: float) -> bool:
         urgent = False
         for record, sender in self.channel.receive(MOST):
             message = decode(record, OperatorMessage, Heartbeat)
             if isinstance(message, OperatorMessage):
                 self.channel.subscribe(sender)
-                self._desk.receive(now, message)
+                self._requests.receive(now, message)
                 urgent |= message.action in URGENT
             elif isinstance(message, Heartbeat):
                 self.watch.receive_heartbeat(now, message)
@@ -135,7 +135,7 @@ class Gate:
 
     def _ask_switches(self, actuation: Actuation) -> None:
         for actuator, report in enumerate(actuation.bodies):
-            self._desk.switch(actuator, None if report is None else report.switch)
+            self._requests.switch(actuator, None if report is None else report.switch)
 
     def _causes(self, now: float, actuation: Actuation) -> tuple[Cause, ...]:
         reports = actuation.reports
@@ -149,7 +149,7 @@ class Gate:
             reversed=any(each.reversed for each in self._followings),
             jumped=any(each.jumped for each in self._followings),
             released=lost and not any(report.overridden for report in reports),
-            operator_age=self._desk.age(now),
+            operator_age=self._requests.age(now),
             emergency_tried=self.engagement.emergency_tried,
         )
         return present(observation, self._settings)
@@ -171,7 +171,7 @@ class Gate:
         self._taken = {i for i, each in enumerate(self._asked(actuation)) if each.engaged or i in self._taken}
         return Situation(
             causes=causes,
-            actions=self._desk.take(),
+            actions=self._requests.take(),
             overridden=any(report.overridden for report in reports),
             taken=all(report.engaged for report in reports) and self.watch.mode is Mode.DRIVE,
             standing=self.watch.speeds.stands(now, self._settings.drive.standing),
@@ -211,9 +211,9 @@ class Gate:
             angles=self._envelope.angles,
             speed_limit=self.speed_limit,
         )
-        state = gate_state(tick, self.engagement, self._desk, counts, valid=self._settings.engage.seen)
+        state = gate_state(tick, self.engagement, self._requests, counts, valid=self._settings.engage.seen)
         record = encode(state)
-        self._desk.show(state.sequence, state.time)
+        self._requests.show(state.sequence, state.time)
         self.controller.send(record)
         self.channel.publish(record)
         self._counts.states += 1

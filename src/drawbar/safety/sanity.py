@@ -64,8 +64,9 @@ def sanity_unit(vehicle: VehicleParameters, settings: SanitySettings, *, positio
     values: dict[str, ArrayLike] = {
         **settings.model_dump(exclude={"lost", "blind", "blind_deviation"}),
         "wheelbase": vehicle.wheelbase,
-        "position": position,
+        "positions.position": position,
     }
+    values |= {f"positions.{key}": values.pop(key) for key in ("fine", "jump")}
     for setting, key in (("least", "hitch_mean"), ("most", "hitch"), ("patience", "hitch_patience")):
         values[f"hitch.{setting}"] = values.pop(key)
     if not chain:  # its estimates of the angles are wrong in every curve

@@ -9,7 +9,7 @@
 #ifndef DRAWBAR_ARRIVAL_H
 #define DRAWBAR_ARRIVAL_H
 
-#include "apart.h"
+#include "noinline.h"
 #include "rti.h"
 
 #define OLD (NX + NU + 1)                  /* columns: dx, du, right-hand side; or du, d = x_1 - F, right-hand side */
@@ -228,7 +228,7 @@ static inline int arrival_transition(const double (*restrict A)[WIDTH], const do
 }
 
 /* Absorb the oldest stage, linearised behind the last one, into the arrival cost, which stays as it is on failure. */
-static APART int arrival_absorb(struct rti *s)
+static NOINLINE int arrival_absorb(struct rti *s)
 {
     double T[NX + NY][OLD_WIDTH] = {{0.0}}, weight[NX], d[NX];
 

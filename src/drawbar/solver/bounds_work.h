@@ -40,8 +40,7 @@ struct ip_answer {
 
 /* What is added to the diagonal of the Hessian for each kind of variable, where the cost leaves something undetermined. */
 struct ip_damping {
-    double weight[NX + NU];
-    int32_t on;
+    double weight[NX + NU], share;         /* curvature, and how much of it is added; 0: nothing */
 };
 
 /* Work of interior_point.h. Slots without a bound keep t = 1, lambda = 0, those without softness v = 0, sigma = 0: flags

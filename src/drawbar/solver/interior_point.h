@@ -8,7 +8,7 @@
 #ifndef DRAWBAR_INTERIOR_POINT_H
 #define DRAWBAR_INTERIOR_POINT_H
 
-#include "apart.h"
+#include "noinline.h"
 #include "farkas.h"
 #include "ip_start.h"
 
@@ -25,6 +25,7 @@
 #define LOOSEN_BY 100.0                    /* each time more, */
 #define LOOSEST 1e-5                       /* at most */
 #define LOOSEN_OUTSIDE 1e-7                /* but only where bounds are violated by less: else there may be no point */
+#define LEAST_DAMPING 1e-13                /* share of the curvature, before which damping is let be less */
 #define SHORT_STEP 0.2                     /* a step less than this is short; */
 #define SHORT_STEPS 3                      /* so many one after the other: distances and multipliers are too small */
 #define FARKAS_EVERY 2                     /* iterations between two looks for a certificate */
@@ -59,7 +60,7 @@ static void ip_look(const struct qp *restrict s, struct interior_point *restrict
 }
 
 /* Mean complementarity after a step of the given length. */
-static APART double ip_measure(const struct interior_point *restrict ip, double step)
+static NOINLINE double ip_measure(const struct interior_point *restrict ip, double step)
 {
     double sum[BLOCK] = {0.0}, total = 0.0;
 
@@ -168,7 +169,7 @@ static void ip_move(struct qp *restrict s, struct interior_point *restrict ip, d
 
 /* By how much do the multipliers' last steps prove that no point exists? Where none does the multipliers grow without end, along a
  * certificate, while the cost stands still: their growth is the purer certificate. */
-static SELDOM double ip_infeasible(const struct qp *s, const struct interior_point *ip)
+static COLD double ip_infeasible(const struct qp *s, const struct interior_point *ip)
 {
     return farkas_margin(s, ip->dlambda, ip->dlambda + NLOWER);
 }
@@ -208,7 +209,7 @@ static void ip_keep(const struct qp *s, struct ip_answer *best)
     memcpy(best->violation, s->violation, sizeof best->violation);
 }
 
-static SELDOM int ip_restore(struct qp *s, const struct ip_answer *best)
+static COLD int ip_restore(struct qp *s, const struct ip_answer *best)
 {
     s->kkt = best->kkt;
     memcpy(s->z, best->z, sizeof s->z);
@@ -219,7 +220,7 @@ static SELDOM int ip_restore(struct qp *s, const struct ip_answer *best)
 }
 
 /* Where it goes no further: the best answer if it is good enough, else the proof that there is none, else the reason. */
-static SELDOM int ip_end(struct qp *s, struct interior_point *ip, int reason)
+static COLD int ip_end(struct qp *s, struct interior_point *ip, int reason)
 {
     if (ip->best.kkt <= CHECK_TOLERANCE)
         return ip_restore(s, &ip->best);
@@ -263,7 +264,7 @@ static double ip_iterate(struct qp *restrict s, struct interior_point *restrict 
 /* Where short steps follow one another, distances and multipliers are far too small for what lies ahead: the first of them to
  * reach zero ends each step. Take them to be as large as a whole Newton step would make them. Returns 0 where the
  * factorisation fails. */
-static SELDOM double ip_widen(struct qp *restrict s, struct interior_point *restrict ip, int stages)
+static COLD double ip_widen(struct qp *restrict s, struct interior_point *restrict ip, int stages)
 {
     ip_look(s, ip);
     if (!ip_step(s, ip, 0.0, 0.0, stages))
@@ -279,14 +280,34 @@ static SELDOM double ip_widen(struct qp *restrict s, struct interior_point *rest
     return 1.0;
 }
 
-/* Count short steps, and loosen where long ones no longer get anywhere. */
-static void ip_watch(const struct qp *restrict s, struct interior_point *restrict ip, double step)
+/* Where damping holds back what the cost determines, if only just, so that it is most of what is left: let it be less. */
+static int ip_undamp(struct interior_point *ip)
+{
+    double damped = 0.0, left = 0.0;
+
+    for (int i = 0; i < NZ; ++i) {
+        damped += ip->damping.share * ip->damping.weight[kind_of(i)] * ip->dz[i] * ip->dz[i];
+        left += fabs(ip->gradient[i] * ip->dz[i]);
+    }
+    if (!(damped > 0.5 * left) || !(ip->damping.share > LEAST_DAMPING))
+        return 0;
+    ip->damping.share /= LOOSEN_BY;
+    return 1;
+}
+
+/* Count short steps, and damp less or loosen where long ones no longer get anywhere. Returns whether all stages are to be
+ * factorised again. */
+static int ip_watch(const struct qp *restrict s, struct interior_point *restrict ip, double step)
 {
     ip->short_steps = step < SHORT_STEP ? ip->short_steps + 1 : 0;
     ip->stalled = s->kkt > STALL_RATIO * ip->before && step > 0.5 ? ip->stalled + 1 : 0;
     ip->before = s->kkt < ip->before ? s->kkt : ip->before;
-    if (ip->stalled >= STALLED && ip_outside(s) < LOOSEN_OUTSIDE && ip_loosen(ip))
+    if (ip->stalled < STALLED)
+        return 0;
+    const int undamped = ip_undamp(ip);
+    if (undamped || (ip_outside(s) < LOOSEN_OUTSIDE && ip_loosen(ip)))
         ip->stalled = 0;
+    return undamped;
 }
 
 /* Solve with bounds, starting from s->z and s->pi as qp_solve left them without bounds. *left: iterations that it may take. */
@@ -294,7 +315,7 @@ static int qp_interior_point(struct qp *s, struct interior_point *ip, int32_t *l
 {
     struct ip_answer *best = &ip->best;
     const int bounded = ip_stages(s);
-    int stages = ip->damping.on ? N + 1 : bounded;
+    int stages = ip->damping.share > 0.0 ? N + 1 : bounded;
 
     if (*left <= 0)
         return MAXIMUM_ITERATIONS;
@@ -318,7 +339,8 @@ static int qp_interior_point(struct qp *s, struct interior_point *ip, int32_t *l
             return SOLVED;
         if (best->kkt <= CHECK_TOLERANCE && s->kkt >= 0.5 * best->kkt)
             return ip_restore(s, best);
-        ip_watch(s, ip, step);
+        if (ip_watch(s, ip, step))
+            stages = N + 1;
         if (status == SOLVED)
             ip_keep(s, best);
         else if (s->iterations % FARKAS_EVERY == 0)

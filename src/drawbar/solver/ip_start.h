@@ -4,12 +4,14 @@
 #ifndef DRAWBAR_IP_START_H
 #define DRAWBAR_IP_START_H
 
-#include "apart.h"
+#include "noinline.h"
 #include "kkt.h"
 
 #define FAR_OUT 1e3                        /* times the largest bound: no start lies further out than that */
 #define NEAR 1e-3                          /* of its kind's size: no start lies nearer to a bound than that; */
 #define DRAWN 0.1                          /* or than that, where it was drawn in from far out */
+#define PULL_MORE 1e4                      /* times harder that variables are drawn in from there, while they are far out, */
+#define LAST_PULL 1e8                      /* up to here, and then as much harder as they were far out */
 #define FLAT 1e-12                         /* of the largest curvature, of the room around a variable: as much as none */
 #define DAMPING 1e-8                       /* of the curvature, where the cost leaves something undetermined */
 
@@ -49,7 +51,7 @@ static void ip_leave_out(struct qp *restrict s, const struct interior_point *res
     }
 }
 
-static APART void ip_publish(struct qp *restrict s, const struct interior_point *restrict ip)
+static NOINLINE void ip_publish(struct qp *restrict s, const struct interior_point *restrict ip)
 {
     for (int i = 0; i < NB; ++i) {
         s->multiplier[2 * i] = ip->lambda[i];
@@ -65,8 +67,8 @@ static APART void ip_publish(struct qp *restrict s, const struct interior_point 
 static void ip_clear_barrier(struct interior_point *ip)
 {
     memset(ip->barrier, 0, sizeof ip->barrier);
-    for (int i = 0; ip->damping.on && i < NZ; ++i)
-        ip->barrier[i] = ip->damping.weight[kind_of(i)];
+    for (int i = 0; ip->damping.share > 0.0 && i < NZ; ++i)
+        ip->barrier[i] = ip->damping.share * ip->damping.weight[kind_of(i)];
 }
 
 static inline double positive(double value)
@@ -97,64 +99,78 @@ static int ip_damp(struct qp *restrict s, struct interior_point *restrict ip)
         heaviest = largest(heaviest, s->g[i]);
     for (int j = 0; j < NX + NU; ++j)
         weight[j] = largest(largest(ROUNDING * heaviest, weight[j]), 1e-100);
-    ip->damping.on = 1;
-    for (int j = 0; j < NX + NU; ++j)
-        weight[j] *= DAMPING;
-    ip_clear_barrier(ip);
-    if (!qp_factor(s, ip->barrier, N + 1))
-        return 0;
-    for (int i = 0; i < NZ; ++i)
-        ip->barrier[i] /= DAMPING;
-    if (!qp_factor(s, ip->barrier, N + 1))
-        return 0;
+    for (int strong = 0; strong <= 1; ++strong) {
+        ip->damping.share = strong ? 1.0 : DAMPING;
+        ip_clear_barrier(ip);
+        if (!qp_factor(s, ip->barrier, N + 1))
+            return 0;
+    }
+    ip->damping.share = DAMPING;
     qp_solve(s, s->g, (const double (*)[NX])s->c, s->initial, s->z, s->pi);
     return 1;
 }
 
-/* How far the variables of each kind lie outside, and how far from zero their bounds are. Returns whether any lies so
- * far out that this is no start. */
-static int ip_far_out(const struct qp *restrict s, double *restrict out, double *restrict span)
+/* How far the variables of each kind lie outside, `away`, in times of how far from zero their bounds are. Returns the largest. */
+static double ip_far_out(const struct qp *restrict s, double *restrict away)
 {
-    int far = 0;
+    double span[NX + NU] = {0.0}, farthest = 0.0;
 
+    memset(away, 0, (NX + NU) * sizeof *away);
     for (int m = 0; m < NSIDES; ++m) {
         const int kind = kind_of(s->bound[m / 2]);
         const double distance = bound_distance(s, s->z, m);
         if (!(fabs(ip_bound(s, m)) < (double)INFINITY))
             continue;
-        out[kind] = largest(out[kind], distance < 0.0 ? distance : 0.0);
+        away[kind] = largest(away[kind], distance < 0.0 ? distance : 0.0);
         span[kind] = largest(span[kind], ip_bound(s, m));
     }
-    for (int j = 0; j < NX + NU; ++j)
-        far |= out[j] > FAR_OUT * span[j];
-    return far;
+    for (int j = 0; j < NX + NU; ++j) {    /* bounds at zero have no size of their own */
+        away[j] = span[j] > 0.0 ? away[j] / span[j] : 0.0;
+        farthest = largest(farthest, away[j]);
+    }
+    return farthest;
 }
 
-/* Where the cost is nearly flat its minimum without bounds lies so far out that nothing about it is a start. Draw all
- * bounded variables towards their bounds until the point is about as near as those are. Returns how near to a bound a start
- * may lie then, 0 on failure. */
-static SELDOM double ip_approach(struct qp *restrict s, struct interior_point *restrict ip)
+/* Draw all bounded variables towards their bounds, with as much curvature for each kind. Returns 0 where the factorisation fails. */
+static int ip_draw(struct qp *restrict s, struct interior_point *restrict ip, const double *restrict curvature)
 {
-    double out[NX + NU] = {0.0}, span[NX + NU] = {0.0}, curve[NX + NU] = {0.0}, gradient[NZ];
+    double gradient[NZ];
 
-    if (!ip_far_out(s, out, span))
-        return NEAR;
-    for (int i = 0; i < NB; ++i)
-        curve[kind_of(s->bound[i])] = largest(curve[kind_of(s->bound[i])], ip_curvature(s, i));
     ip_clear_barrier(ip);
     memcpy(gradient, s->g, sizeof gradient);
     for (int m = 0; m < NSIDES; ++m) {
-        const int i = s->bound[m / 2], kind = kind_of(i);
-        if (!(fabs(ip_bound(s, m)) < (double)INFINITY) || !(span[kind] > 0.0))
+        const int i = s->bound[m / 2];
+        if (!(fabs(ip_bound(s, m)) < (double)INFINITY))
             continue;
-        const double weight = curve[kind] * out[kind] / span[kind];
-        ip->barrier[i] += weight;
-        gradient[i] -= weight * ip_bound(s, m);
+        ip->barrier[i] += curvature[kind_of(i)];
+        gradient[i] -= curvature[kind_of(i)] * ip_bound(s, m);
     }
     if (!qp_factor(s, ip->barrier, N + 1))
-        return 0.0;
+        return 0;
     qp_solve(s, gradient, (const double (*)[NX])s->c, s->initial, s->z, s->pi);
-    return DRAWN;
+    return 1;
+}
+
+/* Where the cost is nearly flat its minimum without bounds lies so far out that nothing about it is a start. Draw all
+ * bounded variables towards their bounds, no harder than it takes: first as hard as the cost itself curves. Returns how near to a
+ * bound a start may lie then, 0 on failure. */
+static COLD double ip_approach(struct qp *restrict s, struct interior_point *restrict ip)
+{
+    double away[NX + NU], now[NX + NU], curve[NX + NU] = {0.0}, curvature[NX + NU];
+    const double farthest = ip_far_out(s, away);
+
+    if (!(farthest > FAR_OUT))
+        return NEAR;
+    for (int i = 0; i < NB; ++i)
+        curve[kind_of(s->bound[i])] = largest(curve[kind_of(s->bound[i])], ip_curvature(s, i));
+    for (double pull = 1.0;; pull = pull < LAST_PULL ? PULL_MORE * pull : farthest) {
+        for (int j = 0; j < NX + NU; ++j)
+            curvature[j] = curve[j] * (away[j] < pull ? away[j] : pull);
+        if (!ip_draw(s, ip, curvature))
+            return 0.0;
+        if (!(pull < farthest) || !(ip_far_out(s, now) > FAR_OUT))
+            return DRAWN;
+    }
 }
 
 /* The violation v of a soft side whose complementarity equals that of its distance: v sigma = pair, with
@@ -165,7 +181,7 @@ static inline double ip_start_violation(double spare, double growth, double pair
 }
 
 /* Start from the solution without bounds, with every distance pushed well inside. */
-static SELDOM void ip_start(struct qp *restrict s, struct interior_point *restrict ip, double near)
+static COLD void ip_start(struct qp *restrict s, struct interior_point *restrict ip, double near)
 {
     double worst[NX + NU] = {0.0}, size[NX + NU] = {0.0}, curve[NX + NU] = {0.0}, flat = 0.0, room[NX + NU];
     const struct ip_damping damping = ip->damping;

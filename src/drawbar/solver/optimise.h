@@ -7,7 +7,7 @@
 #define DRAWBAR_OPTIMISE_H
 
 #include "active_set.h"
-#include "apart.h"
+#include "noinline.h"
 #include "held_again.h"
 #include "interior_point.h"
 #include "lent.h"
@@ -25,7 +25,7 @@ static int bounds_respected(const struct qp *s)
 }
 
 /* Once more where the sweep without bounds was not the answer: damped, from its own start, which may be the answer. */
-static SELDOM int qp_damped(struct qp *s, struct interior_point *ip, int32_t *left, int reason)
+static COLD int qp_damped(struct qp *s, struct interior_point *ip, int32_t *left, int reason)
 {
     double gradient[NZ], defect[N][NX];
 
@@ -128,7 +128,7 @@ static int qp_optimise(struct qp *s, struct lent *lent)
     } else if (!bounds_at_first(s) && qp_active(s, work))
         return SOLVED;
     s->factored = 0;                       /* the barrier changes it */
-    work->ip.damping.on = 0;
+    work->ip.damping.share = 0.0;
     return qp_interior_point(s, &work->ip, &lent->iterations);
 }
 

@@ -5,9 +5,9 @@
  *           lower <= z_i <= upper for the bounded variables i, hard or soft
  *
  * Riccati recursion as in Rao, Wright and Rawlings (1998), section 4; cost linear in N. The including unit defines N
- * (stages), NX, NU, NB (bounded variables), NS (trailing states that only inputs move: rows [0 I] of A), NC (those of them that nothing moves), CROSS (0 where S
- * is zero), FREE_INITIAL, and LEAST_STEP 1 where steps are not judged by themselves alone (kkt.h). No heap, no
- * recursion, every loop bounded.
+ * (stages), NX, NU, NB (bounded variables), NS (trailing states that only inputs move: rows [0 I] of A), NC (those of them that
+ * nothing moves), CROSS (0 where S is zero), FREE_INITIAL, and LEAST_STEP 1 where steps are not judged by themselves alone
+ * (kkt.h). No heap, no recursion, every loop bounded.
  */
 #ifndef DRAWBAR_QP_H
 #define DRAWBAR_QP_H

@@ -11,7 +11,7 @@
 #ifndef DRAWBAR_RTI_H
 #define DRAWBAR_RTI_H
 
-#include "apart.h"
+#include "noinline.h"
 #include "lanes.h"
 #include "optimise.h"
 
@@ -228,7 +228,7 @@ static int rti_feedback(struct rti *s, struct lent *lent)
 
 /* Move the trajectory and the data on by one sample; the last sample's stages are repeated, its states predicted, x_N by
  * prepare or by the next shift. The weights belong to the place in the window, not to the sample, and stay. */
-static APART void rti_shift(struct rti *s)
+static NOINLINE void rti_shift(struct rti *s)
 {
     if (s->open_end) {
         dynamics(s, N - 1, N);

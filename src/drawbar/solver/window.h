@@ -3,7 +3,7 @@
 #ifndef DRAWBAR_WINDOW_H
 #define DRAWBAR_WINDOW_H
 
-#include "apart.h"
+#include "noinline.h"
 #include "arrival.h"
 
 struct window {
@@ -25,7 +25,7 @@ static void window_forget(struct window *window, struct rti *rti, const double *
 }
 
 /* Begin an empty window at a first guess of states and parameters, and prepare the first feedback. */
-static SELDOM int window_restart(struct window *window, struct rti *rti, const double *prior)
+static COLD int window_restart(struct window *window, struct rti *rti, const double *prior)
 {
     double *y = &rti->y[0][0];
 

@@ -137,7 +137,7 @@ struct step_settings {
     double curvature;                      /* tightest line that may be driven beside a path, 1/m */
     double shift_curvature;                /* largest of a shift from one line to the next beside it, 1/m */
     double shift_rate;                     /* largest change of that along the way, 1/m^2 */
-    double iterations;                     /* of interior points, for all solvers of a step; each sample left out before takes one */
+    double iterations;                     /* of interior points, for all solvers of a step */
 };
 
 /* What the newest step decided, one component after the other. */

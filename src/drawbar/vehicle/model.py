@@ -107,6 +107,11 @@ class Model:
                 f"Model {self.name!r} uses symbols that are neither state, input, parameter nor constant: "
                 f"{sorted(names)}."
             )
+        if any(math.isnan(number) for number in _numbers(ca.vertcat(self.derivative, self.output))):
+            raise ModelError(
+                f"Model {self.name!r} has NaN in its expressions; functions of Python's math return NaN for a symbol: "
+                f"take CasADi's, such as ca.sin."
+            )
 
     @property
     def names(self) -> dict[str, tuple[str, ...]]:
@@ -138,6 +143,13 @@ class Model:
                     f"Model {self.name!r} declares {', '.join(map(repr, repeated))} more than once; give every state, "
                     f"input, parameter and constant a name of its own, and every output one among the outputs."
                 )
+
+
+def _numbers(expression: Any) -> list[float]:
+    """Return the numbers in an SX expression."""
+    f = ca.Function("f", [ca.vertcat(ca.SX(0, 1), *ca.symvar(expression))], [expression])
+    constants = (each for each in range(f.n_instructions()) if f.instruction_id(each) == ca.OP_CONST)
+    return [f.instruction_constant(each) for each in constants]
 
 
 def _check_variables(name: object, **declared: object) -> None:

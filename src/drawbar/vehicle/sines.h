@@ -2,7 +2,7 @@
 #ifndef DRAWBAR_SINES_H
 #define DRAWBAR_SINES_H
 
-#include "apart.h"
+#include "noinline.h"
 #include "lanes.h"
 
 /* Before a loop that costs little: clang would make ten times the code of it. */
@@ -13,7 +13,7 @@
 #endif
 
 /* Of so many angles, rad. */
-static APART void sines_of(const double *restrict angles, int count, double *restrict cosines, double *restrict sines)
+static NOINLINE void sines_of(const double *restrict angles, int count, double *restrict cosines, double *restrict sines)
 {
     for (int k = 0; k < count; ++k) {
         cosines[k] = lane_cos(angles[k]);

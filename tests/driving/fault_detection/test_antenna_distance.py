@@ -14,16 +14,17 @@ from drawbar.geometry import arm_offset
 from drawbar.machine.stand_in.breaking import report_otherwise
 from drawbar.messages import SupervisorState
 from drawbar.safety.causes import Cause
-from drawbar.signals import FixStatus, SolverStatus
+from drawbar.signals import FixQuality, FixStatus, SolverStatus
 from drawbar.simulation import build_path
 from drawbar.vehicle.articulated import trailer_antenna
 from drawbar.vehicle.parameters import Mast, Masts, VehicleParameters
 
 ACCEPTED, REJECTED, MISSING = FixStatus.ACCEPTED, FixStatus.REJECTED, FixStatus.MISSING
+FIXED = FixQuality.FIXED
 VEHICLE = VehicleParameters()
 
 
-def step(vehicle, shift=(0.0, 0.0), *, yaw=0.4, hitch=0.2, joint=-0.1, pitch=math.nan, **estimate):
+def step(vehicle, shift=(0.0, 0.0), *, yaw=0.4, hitch=0.2, joint=-0.1, pitch=math.nan, quality=FIXED, **estimate):
     """Return a step on whose trailer's positions a shift acts, m, in the vehicle's own axes."""
     behind = yaw - hitch - joint
     x, y = (float(each) for each in trailer_antenna(vehicle, 3.0, -2.0, yaw, behind, joint))
@@ -38,6 +39,8 @@ def step(vehicle, shift=(0.0, 0.0), *, yaw=0.4, hitch=0.2, joint=-0.1, pitch=mat
         trailer_y=y + trailer[1] + ahead * math.sin(yaw) + left * math.cos(yaw),
         **dict.fromkeys(("tractor_roll", "trailer_roll"), 0.0 if math.isfinite(pitch) else math.nan),
         **dict.fromkeys(("tractor_pitch", "trailer_pitch"), pitch),
+        tractor_fix_quality=FIXED,
+        trailer_fix_quality=quality,
     )
     right = {
         "hitch_angle": hitch, "trailer_steering": joint, "tractor_fix": ACCEPTED, "trailer_fix": ACCEPTED,
@@ -63,6 +66,8 @@ def test_a_shift_along_the_vehicle_is_found_after_two_seconds(sample_time):
     step(VEHICLE, (0.12, 0.0)),
     step(VEHICLE, (0.0, 0.3), hitch=0.0, joint=0.0),
     step(VEHICLE, (1.0, 0.0), trailer_fix=REJECTED),
+    step(VEHICLE, (1.0, 0.0), quality=FixQuality.SINGLE),
+    step(VEHICLE, (1.0, 0.0), quality=FixQuality.FLOAT),
     step(VEHICLE, (1.0, 0.0), tractor_fix=MISSING),
     step(VEHICLE, (1.0, 0.0), status=SolverStatus.BAD_INPUT),
     step(VEHICLE, (math.nan, 0.0)),

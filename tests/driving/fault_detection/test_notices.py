@@ -26,11 +26,12 @@ ACCEPTED, REJECTED = FixStatus.ACCEPTED, FixStatus.REJECTED
 class Told:
     """Notices with an alignment whose numbers are given."""
 
-    def __init__(self):
+    def __init__(self, *, has_trailer_receiver=True):
         self.numbers = {"yaw.error": np.zeros(1), "yaw_rate.exclusion": np.zeros(1)}
         live = SimpleNamespace(array=self.numbers.__getitem__)
         self.notices = Notices(
-            SimpleNamespace(library=SimpleNamespace(components={"alignment": SimpleNamespace(live=live)}))
+            SimpleNamespace(library=SimpleNamespace(components={"alignment": SimpleNamespace(live=live)})),
+            has_trailer_receiver=has_trailer_receiver,
         )
 
     def step(self, *, fixes=(ACCEPTED, ACCEPTED), yaw=math.nan, exclusion=NOTHING, **found):
@@ -66,16 +67,19 @@ def test_receivers_that_never_mean_the_same_time_are_reported_by_that(told):
     assert Cause.RECEIVER_TIMES not in told.hear(5.2, 10.0, trailer_heard=0), "one of them is silent"
 
 
+def test_a_receiver_that_is_never_heard_is_reported_where_there_is_one(told):
+    assert told.hear(0.0, 0.4, trailer_heard=0) == []
+    assert told.hear(0.4, 2.0, trailer_heard=0) == [Cause.RECEIVER_SILENT]
+    assert told.hear(2.0, 2.2) == []
+    assert Told(has_trailer_receiver=False).hear(0.0, 2.0, trailer_heard=0) == []
+
+
 @pytest.mark.parametrize("silent", ["tractor_heard", "trailer_heard"])
 def test_a_receiver_that_falls_silent_is_reported_and_one_lost_epoch_is_not(told, silent):
     assert told.hear(0.0, 2.0) == []
     assert told.hear(2.0, 2.4, **{silent: 0}) == []
     assert told.hear(2.4, 3.0, **{silent: 0}) == [Cause.RECEIVER_SILENT]
     assert told.hear(3.0, 3.2) == []
-
-
-def test_a_receiver_that_was_never_there_is_not_reported(told):
-    assert told.hear(0.0, 5.0, trailer_heard=0) == []
 
 
 @pytest.mark.parametrize("silent", ["hitch_angle", "wheel_speed"])

@@ -23,6 +23,18 @@ from drawbar.signals import FixQuality, Status
 NAN = math.nan
 
 
+class Said:
+    """Processes that have written some lines."""
+
+    by_name = ("receivers", "recorder")
+
+    def __init__(self, *lines):
+        self.lines = list(lines)
+
+    def output(self):
+        return self.lines
+
+
 def test_the_display_fits_sixty_columns_without_a_machine():
     console = Console(width=60, file=None, record=True, force_terminal=False)
     with console.capture() as capture:
@@ -68,6 +80,16 @@ def test_of_a_silent_controller_only_that_is_said(heard):
     assert Cause.CORRECTIONS_OLD in refusals(dataclasses.replace(state, refusals=(*codes, 0)), None)
 
 
+@pytest.mark.parametrize("lacking", [Cause.RECEIVER_SILENT, Cause.RECEIVER_TIMES])
+def test_of_a_receiver_that_is_lacking_only_that_is_said(lacking):
+    follows = (Cause.OFF_LINE, Cause.FIX_LOST, Cause.FIX_TOO_NEW, Cause.CORRECTIONS_OLD, Cause.UNSOLVED)
+    codes = (*(cause.value for cause in follows), Cause.WIGGLE_UNTRIED.value, 0, 0)
+    state = dataclasses.replace(ready_gate(1), state=SupervisorState.STANDBY, refusals=codes)
+    heard = dataclasses.replace(controller_of(Status.OK), notices=(lacking.value, *[0] * 7))
+    assert refusals(state, heard) == [Cause.WIGGLE_UNTRIED]
+    assert set(follows) <= set(refusals(state, controller_of(Status.OK)))
+
+
 def test_the_display_says_why_a_key_was_refused():
     assert Cause.OUT_OF_RANGE.sentence in picture(None, None, Cause.OUT_OF_RANGE).plain
 
@@ -80,7 +102,7 @@ def test_what_the_controller_tells_of_sensors_is_shown_with_what_to_do():
         assert line in picture(gate_of(state), heard).plain
         front = SimpleNamespace(state=gate_of(state), controller=heard, refusal=None)
         console = Console(file=StringIO(), width=60)
-        terminal = Terminal(console, None, front)
+        terminal = Terminal(console, Said(), front)
         terminal.show()
         terminal.show()
         assert console.file.getvalue().count(line) == 1
@@ -110,7 +132,7 @@ def test_where_there_is_no_terminal_each_reason_against_engaging_or_warning_is_p
         )
     ]
     console, front = Console(file=StringIO(), width=60), SimpleNamespace(state=None, controller=None, refusal=None)
-    terminal = Terminal(console, None, front)
+    terminal = Terminal(console, Said(), front)
     for front.state in states:
         terminal.show()
     first, second = (f"- {cause.sentence}: {cause.advice}\n" for cause in causes)
@@ -118,6 +140,17 @@ def test_where_there_is_no_terminal_each_reason_against_engaging_or_warning_is_p
     steering, ended = "ACTIVE: steering\n", "FAULT: steering released; acknowledge to continue\n"
     told = [waiting, first, second, ready, waiting, first, steering, first, ended]
     assert console.file.getvalue() == "".join(told)
+
+
+def test_what_processes_say_is_told_once():
+    said = Said("receivers: not allowed: SCHED_FIFO")
+    console, front = Console(file=StringIO(), width=60), SimpleNamespace(state=None, controller=None, refusal=None)
+    terminal = Terminal(console, said, front)
+    refusal = "receivers: the caster refuses the user name or the password (401); next attempt in 60 s [/]"
+    said.lines += ["Traceback (most recent call last):", "KeyError: 3", refusal]
+    terminal.show()
+    terminal.show()
+    assert console.file.getvalue() == f"{refusal}\n"
 
 
 @pytest.mark.skipif(os.name == "nt", reason="POSIX terminals")

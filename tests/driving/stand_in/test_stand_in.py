@@ -20,7 +20,7 @@ from drawbar.driving.preparation.check import check
 from drawbar.driving.preparation.wiggle import wiggle_both
 from drawbar.driving.processes.drive_processes import DriveProcesses
 from drawbar.driving.stand_in.demonstration import free_ports, with_isobus, with_stand_ins
-from drawbar.driving.stand_in.lines import BoardLine, open_line
+from drawbar.driving.stand_in.device_transports import BoardLine, open_line
 from drawbar.errors import HardwareError
 from drawbar.machine.hardware.corrections.settings import CorrectionsSettings
 from drawbar.machine.hardware.receiver import ReceiverSettings

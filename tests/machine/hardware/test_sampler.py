@@ -23,16 +23,18 @@ def fixes(epoch, delay=DELAY, **given):
     return Fixes(**(values | given))
 
 
-def test_nothing_begins_without_both_antennas():
+@pytest.mark.parametrize("alone", ["tractor_x", "trailer_x"])
+def test_samples_begin_with_the_first_epoch_also_of_one_receiver_that_no_other_joins(alone):
     sampler = Sampler(0.2)
-    assert sampler.take(fixes(SECOND, trailer_x=math.nan)) is None
     assert sampler.deadline is None
-    assert sampler.take(fixes(2 * SECOND)).time == 0.0
+    taken = [sampler.take(fixes(SECOND + k * SECOND // 5, **{alone: math.nan})) for k in range(3)]
+    assert [measured.time for measured in taken] == pytest.approx([0.0, 0.2, 0.4])
+    both = [sampler.take(fixes(SECOND + k * SECOND // 5)) for k in (3, 4)]
+    assert [measured.time for measured in both] == pytest.approx([0.6, 0.8])
 
 
 def test_where_the_trailer_has_no_receiver_the_tractors_antenna_is_enough():
     sampler = Sampler(0.2, has_trailer=False)
-    assert sampler.take(fixes(SECOND, tractor_x=math.nan, trailer_x=math.nan)) is None
     measured = sampler.take(fixes(2 * SECOND, trailer_x=math.nan, tractor_yaw=0.3))
     assert (measured.time, measured.tractor_yaw) == (0.0, 0.3)
     assert [sampler.take(fixes(2 * SECOND + k * SECOND // 5, trailer_x=math.nan)).time for k in (1, 2)] == [0.2, 0.4]

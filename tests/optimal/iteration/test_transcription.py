@@ -8,8 +8,8 @@ import numpy as np
 
 from drawbar.geometry import Floats
 from drawbar.optimal import EstimationProblem
-from drawbar.optimal.functions import LEVENBERG
 from drawbar.optimal.problem import row
+from drawbar.optimal.solver_source import LEVENBERG
 from drawbar.optimal.transcription import transcribe
 from drawbar.signals import SolverStatus
 

@@ -11,6 +11,7 @@ from drawbar.codegen.cache import runtime_sources
 from drawbar.codegen.compiler import find_compiler
 from drawbar.optimal import Bound, ControlProblem, EstimationProblem, quadratic_program
 from drawbar.optimal.quadratic_program import QuadraticProgram, Sizes
+from drawbar.optimal.solver_source import introspection, solver_source
 from drawbar.optimal.transcription import transcribe
 from drawbar.signals import SolverStatus
 from drawbar.vehicle.articulated import articulated, articulated_trailer
@@ -36,7 +37,7 @@ def control(model: Model) -> str:
         bounds={model.inputs[0].name: BOX},
     )
     transcription = transcribe(problem)
-    return transcription.source() + transcription.introspection()
+    return solver_source(transcription) + introspection(transcription)
 
 
 def constrained(model: Model) -> str:
@@ -53,7 +54,7 @@ def constrained(model: Model) -> str:
         change_bounds={steering: BOX},
     )
     transcription = transcribe(problem)
-    return transcription.source() + transcription.introspection()
+    return solver_source(transcription) + introspection(transcription)
 
 
 def estimation(model: Model) -> str:
@@ -68,7 +69,7 @@ def estimation(model: Model) -> str:
         bounds={model.inputs[0].name: BOX},
     )
     transcription = transcribe(problem)
-    return transcription.source() + transcription.introspection()
+    return solver_source(transcription) + introspection(transcription)
 
 
 UNITS = {

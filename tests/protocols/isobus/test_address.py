@@ -3,8 +3,6 @@
 from collections.abc import Callable
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from drawbar.errors import ConfigurationError
 from drawbar.protocols.isobus.address import CLAIM, REQUEST, AddressClaim, ClaimState
@@ -169,9 +167,3 @@ def test_delays_differ_between_names_and_repeat_for_one() -> None:
 def test_what_does_not_fit_is_refused(make: Callable[[], object], text: str) -> None:
     with pytest.raises(ConfigurationError, match=text):
         make()
-
-
-@given(value=st.integers(0, (1 << 64) - 1))
-@settings(derandomize=True, max_examples=50, deadline=None)
-def test_every_name_comes_back_but_for_its_reserved_bit(value: int) -> None:
-    assert Name.from_value(value).value == value & ~(1 << 48)

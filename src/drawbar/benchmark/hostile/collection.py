@@ -6,6 +6,7 @@ from dataclasses import fields
 import numpy as np
 
 from drawbar.benchmark.hostile.construct import HostileProblem, optimal_problem
+from drawbar.benchmark.hostile.drawn import drawn
 from drawbar.benchmark.hostile.edge import first_state, hidden_conflict, just_feasible, just_infeasible
 from drawbar.benchmark.hostile.recipe import LATER, QUADRATIC_PRICES, RECIPES, Recipe
 from drawbar.benchmark.hostile.rounding import moved_by_rounding
@@ -33,6 +34,7 @@ CLASSES: dict[str, Callable[[np.random.Generator], HostileProblem]] = {
     "first state": first_state,
     "moved by rounding": moved_by_rounding,
     "quadratic prices": _maker("quadratic prices", QUADRATIC_PRICES),
+    "drawn": drawn,
 }
 
 

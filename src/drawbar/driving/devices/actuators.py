@@ -1,7 +1,7 @@
 """Actuators: the wires to what the devices of a configuration steer and drive with. Without numpy: the gate uses it."""
 
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 
 from drawbar.driving.messaging.process_options import GateOptions
@@ -106,3 +106,12 @@ def gate_wires(options: GateOptions) -> list[Wire]:
         limit = options.safety.envelope.speed if options.drives else None
         opened.append(isobus_wire(options.isobus, limit, open_can(options.isobus.bus, clock)))
     return [listened(wire) for wire in opened] if options.shadow else opened
+
+
+def board_sockets(wires: Iterable[Wire], options: GateOptions) -> Iterator[tuple[str, int]]:
+    """Yield the body that each board steers, and the descriptor of the socket from which it is sent set points."""
+    for wire in wires:
+        steered = {"tractor": wire.tractor, "trailer": wire.trailer}
+        for body in options.boards:
+            if steered[body] is not None:
+                yield body, wire.transport.fileno()

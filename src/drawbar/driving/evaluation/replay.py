@@ -124,9 +124,9 @@ class _Recorded:
         return self.known(self._states, sequence, "the gate's state")
 
     def known(self, records: dict[int, _Record], sequence: int, what: str) -> _Record:
-        """Return the record of a sequence; DrawbarError: it was lost. EndOfMeasurements: where the log is damaged."""
+        """Return the record of a sequence; DrawbarError: it was lost. EndOfMeasurements: the log ends before it."""
         if sequence not in records:
-            if self.damage is not None:
+            if self.damage is not None or sequence > max(records, default=-1):
                 raise EndOfMeasurements
             raise DrawbarError(f"{self._file}: lacks {what} {sequence}, which the controller had; the recorder lost it")
         return records[sequence]

@@ -3,14 +3,15 @@
 Receivers that are corrected from different base stations are decimetres apart, by a shift that does not turn with the
 vehicle. An estimate absorbs it in yaws and crab angles, and leads both bodies beside the line. The distance shows what
 of the shift is along the vehicle; a wrong hitch angle or crab angle hardly changes it. As the shift stays where the
-vehicle has turned, a distance that was wrong counts until it is right again in that direction, or against it.
+vehicle has turned, a distance that was wrong counts until it is right again in that direction, or against it. Positions
+without an RTK fix differ by as much with one base: they are not compared.
 """
 
 import math
 from collections import deque
 from statistics import fmean
 
-from drawbar.signals import FixStatus, Pose, SolverStatus, StepRecord
+from drawbar.signals import FixQuality, FixStatus, Pose, SolverStatus, StepRecord
 from drawbar.vehicle.articulated import trailer_antenna
 from drawbar.vehicle.lengths import length_values
 from drawbar.vehicle.parameters import Mast, VehicleParameters
@@ -36,7 +37,7 @@ class AntennaDistance:
         """direction in which it was wrong, rad"""
 
     def update(self, record: StepRecord) -> bool:
-        """Update with a step; return whether the distance is wrong, or was. One without both antennas begins anew."""
+        """Update with a step; return whether the distance is wrong, or was. One without both fixes begins anew."""
         m, found = record.measurement, record.estimate
         angles = (0.0, -found.hitch_angle - found.trailer_steering, found.trailer_steering)
         expected = math.hypot(*(float(each) for each in trailer_antenna(self._lengths, 0.0, 0.0, *angles)))
@@ -44,7 +45,8 @@ class AntennaDistance:
         u, v = _ground(m.trailer_x, m.trailer_y, found.trailer, self._masts.trailer, m.trailer_roll, m.trailer_pitch)
         difference = math.hypot(u - x, v - y) - expected
         believed = found.tractor_fix is found.trailer_fix is FixStatus.ACCEPTED
-        if not (believed and found.status is SolverStatus.SOLVED and math.isfinite(difference)):
+        fixed = m.tractor_fix_quality is m.trailer_fix_quality is FixQuality.FIXED
+        if not (believed and fixed and found.status is SolverStatus.SOLVED and math.isfinite(difference)):
             self._differences.clear()
             return self._wrong is not None
         self._differences.append((difference, math.atan2(y - v, x - u)))

@@ -43,12 +43,14 @@ _KEPT = frozenset(
 class _Heard:
     """When something was heard last, s."""
 
+    is_expected: bool = False
+    """also where it has never been heard"""
     last: float = math.nan
     is_silent: bool = False
 
     def update(self, time: float, *, heard: bool) -> None:
-        if heard or math.isnan(self.last):
-            self.last = time if heard else math.nan
+        if heard or (self.is_expected and math.isnan(self.last)):
+            self.last = time
         self.is_silent = time - self.last > _SILENT
 
 
@@ -83,10 +85,10 @@ class _Rejections:
 class Notices:
     """Faults of sensors over the last epochs and samples."""
 
-    def __init__(self, autopilot: Autopilot) -> None:
+    def __init__(self, autopilot: Autopilot, *, has_trailer_receiver: bool) -> None:
         """Begin without notices; errors of the yaw sensors are read from the autopilot."""
         self._alignment = autopilot.library.components["alignment"].live
-        self._receivers = (_Heard(), _Heard())
+        self._receivers = (_Heard(is_expected=True), _Heard(is_expected=has_trailer_receiver))
         self._sensors, self._pairs = (_Heard(), _Heard()), _Pairs()
         self._rejections = _Rejections()
         self._reported: dict[Cause, None] = {}

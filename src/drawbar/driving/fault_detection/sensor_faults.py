@@ -36,7 +36,7 @@ class SensorFaults:
         self._mirrored = MirroredSteering(vehicle, sample_time)
         self._apart = AntennasApart(vehicle.masts, sample_time)
         self._distance = AntennaDistance(vehicle, sample_time)
-        self._notices = Notices(autopilot)
+        self._notices = Notices(autopilot, has_trailer_receiver=configuration.has_trailer_receiver)
         self._gate: GateState | None = None
         self.dead_reckons = False
         """positions are where the velocities have led since both antennas began to drift"""

@@ -97,18 +97,20 @@ class ControlLoop:
 
     def _step(self, measurement: Measurement, complete: int | None) -> None:
         command: CommandMessage = self._controller.feedback(measurement, self._clock())
+        if self._controller.ends:  # the gate acts on the command at once, and by why it ends
+            self._send_state()
         self._send(command)
         out = self._clock()
         record = self._controller.prepare(late=complete is not None and out - complete > LATE)
         if self._controller.has_corrected:  # what bent the estimate bent the command
             self._send(self._controller.repeat(self._clock()))
-        self._send(
-            self._controller.state(
-                self._clock(), correction_age=self._correction_age(), receiver_speed=self._receiver_speed
-            )
-        )
+        self._send_state()
         self._repeat = command.time + REPEAT
         self._record(record)
+
+    def _send_state(self) -> None:
+        age, speed = self._correction_age(), self._receiver_speed
+        self._send(self._controller.state(self._clock(), correction_age=age, receiver_speed=speed))
 
     def _correction_age(self) -> float:
         """Return the age of the older corrections now, s: they grow old where an epoch, or its age, is lost."""

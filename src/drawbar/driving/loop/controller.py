@@ -84,6 +84,11 @@ class Controller:
         """Whether the gate lets commands act."""
         return self._gate is not None and bool(self._gate.steers) and self._gate.state in _STEERED
 
+    @property
+    def ends(self) -> bool:
+        """Whether the newest command ends a run that the gate lets act."""
+        return self._mode() is Mode.STOP
+
     def receive_gate(self, state: GateState) -> None:
         """Take in what the gate does."""
         before, self._gate = self.engaged, state
@@ -158,8 +163,9 @@ class Controller:
         record = self._autopilot.record()
         self._overruns += late
         self._solved = self._solved + 1 if self._status.is_new_command and not record.solver_failures else 0
-        if not self._status.has_ended:  # a run that has ended estimates nothing more
+        if not self._status.has_ended or self._record is None:
             self._record = record
+        if not self._status.has_ended:  # a run that has ended estimates nothing more
             if (change := self._faults.update(record, engaged=self.engaged)) is not None:
                 self._recompute(change)
             self._faults.update_notices(record)

@@ -46,9 +46,10 @@ class ProcessOptions(PacedOptions):
 
 
 GATE, CONTROLLER, RECORDER, FRONT_END, DRIVER = "gate", "controller", "recorder", "front", "driver"
-CONSOLE, GUARD, RECEIVERS, SENTENCES = "console", "guard", "receivers", "sentences"
-"""names of the sockets; the driver's is that of this drive's own stand-in, the last that of receivers on boards"""
-SOCKETS = (GATE, CONTROLLER, RECORDER, FRONT_END, DRIVER, CONSOLE, GUARD, RECEIVERS, SENTENCES)
+CONSOLE, GUARD, RECEIVERS, SENTENCES, LENT = "console", "guard", "receivers", "sentences", "lent"
+"""names of the sockets; the driver's is that of this drive's own stand-in, the last two those of receivers on boards
+and of the guard, to which the gate lends the boards' sockets"""
+SOCKETS = (GATE, CONTROLLER, RECORDER, FRONT_END, DRIVER, CONSOLE, GUARD, RECEIVERS, SENTENCES, LENT)
 OPTIONS_NAME = "options.json"
 """in the folder of the sockets: what a console that is started later needs to know"""
 
@@ -77,6 +78,12 @@ class GateOptions(PacedOptions):
     """address of the driver of a stand-in that is a program of its own; empty: of this drive's own stand-in"""
     shadow: bool = False
     """actuators are only listened to"""
+
+    @property
+    def boards(self) -> dict[str, SteerBoardSettings]:
+        """The boards that set points are sent to, by the bodies that they steer; none by a shadow."""
+        given = {"tractor": self.tractor_board, "trailer": self.trailer_board}
+        return {body: board for body, board in given.items() if board is not None and not self.shadow}
 
     @model_validator(mode="after")
     def _paces_stand_ins_only(self) -> Self:

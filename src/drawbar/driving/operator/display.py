@@ -28,9 +28,7 @@ _UNKNOWN_AWAY = {
     Cause.HITCH_FOLDED,
 }
 """what stands against engaging wherever the controller is beside no line"""
-_UNKNOWN_IN_SILENCE = _UNKNOWN_AWAY | {
-    Cause.COMMAND_EXPIRED,
-    Cause.CONFIGURATION,
+_UNKNOWN_WITHOUT_RECEIVER = _UNKNOWN_AWAY | {
     Cause.UNSOLVED,
     Cause.FIX_TOO_NEW,
     Cause.FIX_LOST,
@@ -38,7 +36,10 @@ _UNKNOWN_IN_SILENCE = _UNKNOWN_AWAY | {
     Cause.CORRECTIONS_LOST,
     Cause.OFF_LINE,
 }
+"""what stands against engaging wherever a receiver is not heard, or both never at one time"""
+_UNKNOWN_IN_SILENCE = _UNKNOWN_WITHOUT_RECEIVER | {Cause.COMMAND_EXPIRED, Cause.CONFIGURATION}
 """what stands against engaging wherever the controller is silent"""
+_LACKING_RECEIVER = {Cause.RECEIVER_SILENT.value, Cause.RECEIVER_TIMES.value}
 _MEANINGS = {
     SupervisorState.BOOT: "starting",
     SupervisorState.SELFTEST: "testing itself",
@@ -101,8 +102,9 @@ def is_beside_line(state: GateState | None, controller: ControllerState | None) 
 def refusals(state: GateState, controller: ControllerState | None) -> list[Cause]:
     """Return what stands against engaging, without what follows from the rest.
 
-    Where the vehicle is to stand first, not that it stands; where the controller is silent, not what it
-    alone reports; away from any line, as on a headland, not what only a controller beside a line can know.
+    Where the vehicle is to stand first, not that it stands; where the controller is silent, not what it alone reports,
+    nor without a receiver what follows from that; away from any line, as on a headland, not what only a controller
+    beside a line can know.
     """
     found = [BY_CODE[code] for code in state.refusals if code]
     hidden = set()
@@ -114,6 +116,8 @@ def refusals(state: GateState, controller: ControllerState | None) -> list[Cause
         hidden |= _UNKNOWN_AWAY
         if found and not hidden.isdisjoint(found):
             found = [Cause.OFF_LINE, *(cause for cause in found if cause is not Cause.OFF_LINE)]
+    if controller is not None and not _LACKING_RECEIVER.isdisjoint(controller.notices):
+        hidden |= _UNKNOWN_WITHOUT_RECEIVER
     if Cause.CONTROLLER_SILENT in found:
         hidden |= _UNKNOWN_IN_SILENCE
     return [cause for cause in found if cause not in hidden]

@@ -32,6 +32,8 @@ class Terminal:
         self._reasons = set[Cause]()
         """that were printed since the newest state"""
         self._lost: list[str] = []
+        self._said = len(processes.output())
+        """lines of the processes that were told, or written before"""
 
     def show(self) -> None:
         """Show how the drive is; a state that is new gets a line."""
@@ -39,8 +41,18 @@ class Terminal:
         if front.state is not None:
             with suppress(OSError):  # a full disk, say, does not end a drive
                 self._tell(front.state)
+        with suppress(OSError):
+            self._tell_said()
         if self._live is not None:
             self._live.update(picture(front.state, front.controller, front.refusal), refresh=True)
+
+    def _tell_said(self) -> None:
+        """Print what the processes say, such as a caster's refusal; what one writes that fails is told as its end."""
+        lines = self._processes.output()
+        for line in lines[self._said :]:
+            if line.partition(": ")[0] in self._processes.by_name:
+                self._console.print(line, style="yellow", soft_wrap=True, markup=False, highlight=False)
+        self._said = len(lines)
 
     def _tell(self, state: GateState) -> None:
         """Print a state that is new; without a picture also, once, each reason against engaging, or warning."""

@@ -7,10 +7,11 @@ import socket
 import sys
 from pathlib import Path
 
-from drawbar.driving.devices.actuators import gate_wires
-from drawbar.driving.messaging.process_options import DRIVER, GATE, GUARD, RECORDER, GateOptions
+from drawbar.driving.devices.actuators import board_sockets, gate_wires
+from drawbar.driving.messaging.lent_sockets import lend
+from drawbar.driving.messaging.process_options import DRIVER, GATE, GUARD, LENT, RECORDER, GateOptions
 from drawbar.driving.processes.shutdown import run_program
-from drawbar.safety.channels import ControllerChannel, DeskChannel, open_desk
+from drawbar.safety.channels import ControllerChannel, OperatorChannel, open_operator_socket
 from drawbar.safety.envelope import Bounds
 from drawbar.safety.gate_process import run
 from drawbar.safety.machine_gate import Gate
@@ -21,13 +22,16 @@ def main() -> int:
     options = GateOptions.model_validate_json(sys.stdin.read())
     folder = Path(options.folder)
     listeners = (*(str(folder / name) for name in (GUARD, RECORDER)), options.driver or str(folder / DRIVER))
-    desk = DeskChannel(open_desk(str(folder / GATE)), listeners)
+    operators = OperatorChannel(open_operator_socket(str(folder / GATE)), listeners)
+    wires = gate_wires(options)
+    for body, descriptor in board_sockets(wires, options):
+        lend(str(folder / LENT), body, descriptor)
     gate = Gate(
         options.safety,
         Bounds(wheelbase=options.wheelbase, tractor_limit=options.tractor_limit, trailer_limit=options.trailer_limit),
-        gate_wires(options),
+        wires,
         ControllerChannel(socket.socket(fileno=options.controller)),
-        desk,
+        operators,
     )
     return run(gate, options.safety, options.clock)
 

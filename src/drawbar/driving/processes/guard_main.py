@@ -2,8 +2,9 @@
 
 `python -m drawbar.driving.processes.guard_main`, with the gate's options on standard input. The gate sends its state at
 each tick; when it steers and sends nothing for as long as it may be late, off frames go to the boards until it sends
-again, for `timing.off` seconds at most. An ISOBUS valve watches itself, within 200 ms. The guard runs beside the gate,
-not within, and tells it that it is there: without a guard the gate does not engage.
+again, for `timing.off` seconds at most: from the gate's own sockets, which it lends, since AiO_26 obeys no other port.
+An ISOBUS valve watches itself, within 200 ms. The guard runs beside the gate, not within, and tells it that it is there
+and has the sockets: else the gate does not engage.
 """
 
 import math
@@ -13,7 +14,8 @@ from pathlib import Path
 
 from drawbar.driving.messaging.endpoint import Endpoint
 from drawbar.driving.messaging.heartbeat import HeartbeatSender
-from drawbar.driving.messaging.process_options import GATE, GUARD, GateOptions
+from drawbar.driving.messaging.lent_sockets import Borrower
+from drawbar.driving.messaging.process_options import GATE, GUARD, LENT, GateOptions
 from drawbar.driving.processes.shutdown import ShutdownRequest, run_program
 from drawbar.message_records import decode
 from drawbar.messages import GateState, Role
@@ -61,27 +63,29 @@ class Guard:
 def main() -> int:
     """Guard until told to end, but not while the gate steers or its silence is being answered."""
     options = GateOptions.model_validate_json(sys.stdin.read())
-    boards = [each.destination for each in (options.tractor_board, options.trailer_board) if each is not None]
     guard, shutdown, clock = Guard(options.safety.timing), ShutdownRequest(), options.clock
-    folder = Path(options.folder)
-    wire, endpoint = socket.socket(socket.AF_INET, socket.SOCK_DGRAM), Endpoint(str(folder / GUARD))
+    folder, wires = Path(options.folder), dict[str, socket.socket]()
+    borrower, endpoint = Borrower(str(folder / LENT)), Endpoint(str(folder / GUARD))
     heartbeat = HeartbeatSender(Role.GUARD, endpoint, str(folder / GATE))
     for word in prepare(options.safety.timing.priority):
         say(f"guard: {word}")
     while not (shutdown.asked and guard.rests(clock())):
-        clock.wait([endpoint.fileno()], min(guard.due - clock(), _LOOK))
+        clock.wait([endpoint.fileno(), borrower.fileno()], min(guard.due - clock(), _LOOK))
         now = clock()
-        heartbeat.pass_time(clock.nanoseconds())
+        wires |= borrower.take()
+        heartbeat.pass_time(clock.nanoseconds(), healthy=wires.keys() == options.boards.keys())
         for record in endpoint.receive():
             state = decode(record, GateState)
             if isinstance(state, GateState):
                 guard.receive_state(now, state)
                 heartbeat.state = state.state
         if guard.says_off(now):
-            for board in boards:
-                _send(wire, board)
+            for body, wire in wires.items():
+                _send(wire, options.boards[body].destination)
     endpoint.close()
-    wire.close()
+    borrower.close()
+    for wire in wires.values():
+        wire.close()
     return 0
 
 

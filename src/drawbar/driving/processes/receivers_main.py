@@ -24,6 +24,7 @@ from drawbar.driving.messaging.process_options import (
 from drawbar.driving.processes.shutdown import ShutdownRequest, run_program
 from drawbar.machine.hardware.corrections.corrections import open_corrections
 from drawbar.machine.hardware.corrections.receivers import correct
+from drawbar.machine.hardware.corrections.status import CorrectionsNews
 from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.hardware.navigation import Navigation
 from drawbar.machine.hardware.receiver import Receiver
@@ -67,6 +68,7 @@ def main() -> int:
     navigation = Navigation(receivers, local_frame(configuration), sensors)
     heartbeat, shutdown = HeartbeatSender(Role.RECEIVERS, endpoint, options.socket(GATE)), ShutdownRequest()
     corrections = open_corrections(devices.corrections, clock) if devices.corrections is not None else None
+    news = CorrectionsNews()
     for word in prepare(max(configuration.safety.timing.priority - _BELOW_THE_GATE, 0)):
         say(f"receivers: {word}")
     step_back_when_busy(_BUSY, "receivers: bytes come faster than they can be read")
@@ -79,6 +81,8 @@ def main() -> int:
         heartbeat.pass_time(now)
         if corrections is not None:
             correct(corrections, clock(), receivers[0], receivers)
+            for word in news.update(corrections.status(clock())):
+                say(f"receivers: {word}")
         watched = [*(each.transport for each in receivers), *([sensors.transport] if sensors else [])]
         descriptors = [each for each in (line.fileno() for line in watched) if each >= 0]
         longest = _CORRECTIONS if corrections is not None else _ASK_AGAIN

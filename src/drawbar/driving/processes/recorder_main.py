@@ -25,8 +25,9 @@ from drawbar.recording.drive_records import Order, RawBytes
 from drawbar.recording.header import run_header
 from drawbar.recording.live import Live
 from drawbar.recording.log import LOG_NAME
-from drawbar.recording.scene import Scene
+from drawbar.recording.scene import Scene, tube_reach
 from drawbar.simulation import build_path
+from drawbar.step.build import build_tubes
 
 _NICENESS = -10
 """of its scheduling: on a busy computer its share would be too small for what comes, and the log would lack it"""
@@ -68,7 +69,8 @@ def _log(configuration: Configuration, options: ProcessOptions, live: Live | Non
     path, drivable = build_path(configuration)
     frame = local_frame(configuration)
     header = run_header(configuration, path, drivable, seed=0, frame=frame)
-    scene = Scene(path=path, vehicle=configuration.vehicle, frame=frame)
+    reach = tube_reach(build_tubes(configuration), configuration.vehicle)
+    scene = Scene(path=path, vehicle=configuration.vehicle, frame=frame, reach=reach)
     return DriveLog(Path(options.run) / LOG_NAME, header, scene, live, clock=options.clock)
 
 

@@ -60,7 +60,7 @@ class MemoryChannel:
         self.outbox.append(record)
 
 
-class MemoryDesk(MemoryChannel):
+class MemoryOperatorChannel(MemoryChannel):
     """As MemoryChannel, for operators."""
 
     def receive(self, most: int) -> list[tuple[bytes, str]]:  # type: ignore[override]

@@ -15,7 +15,7 @@ from drawbar.driving.loop.control_loop import ControlLoop
 from drawbar.driving.loop.controller import Controller
 from drawbar.driving.operator.requests import DemonstrationOperator, Operator
 from drawbar.driving.processes.guard_main import OFF, Guard
-from drawbar.driving.stand_in.memory_transports import MemoryBus, MemoryChannel, MemoryDesk, MemoryTransport
+from drawbar.driving.stand_in.memory_transports import MemoryBus, MemoryChannel, MemoryOperatorChannel, MemoryTransport
 from drawbar.driving.stand_in.simulated_links import SimulatedLinks
 from drawbar.driving.stand_in.stand_in_machine import stand_in_machine
 from drawbar.geometry import LocalFrame
@@ -93,7 +93,7 @@ class Rehearsal:
         self._navigation = self._build_navigation(configuration.devices, frame)
         self.wires = {body: MemoryTransport() for body in self.machine.boards}
         wires = self._build_wires(configuration.devices, safety, bus)
-        self._controller_channel, self._desk = MemoryChannel(), MemoryDesk()
+        self._controller_channel, self._operators = MemoryChannel(), MemoryOperatorChannel()
         self.gate = self._build_gate(
             safety, configuration.vehicle, [listened(wire) for wire in wires] if shadow else wires
         )
@@ -110,7 +110,7 @@ class Rehearsal:
             record=lambda record: self._records.append((record, self.machine.world.truth)),
             clock=lambda: self.now,
         )
-        self.operator = DemonstrationOperator(Operator(1, self._tell_desk))
+        self.operator = DemonstrationOperator(Operator(1, self._tell_gate))
 
     def _build_navigation(self, devices: DeviceSettings | None, frame: LocalFrame) -> Navigation:
         plain = ReceiverSettings(transport="file:memory")
@@ -135,7 +135,7 @@ class Rehearsal:
             tractor_limit=vehicle.tractor_steering_limit,
             trailer_limit=vehicle.trailer_steering_limit,
         )
-        return Gate(safety, bounds, wires, self._controller_channel, self._desk)  # type: ignore[arg-type]
+        return Gate(safety, bounds, wires, self._controller_channel, self._operators)  # type: ignore[arg-type]
 
     def _board_wire(self, body: str) -> Wire:
         board = SteerBoard(board=f"192.168.{5 + BODIES.index(body)}.126", max_angle=math.radians(45.0))
@@ -150,8 +150,8 @@ class Rehearsal:
     def _send(self, message: Message) -> None:
         self.links.send(self.time, "controller", encode(message), self._controller_channel.put)
 
-    def _tell_desk(self, message: Message) -> None:
-        self.links.send(self.time, "operator", encode(message), self._desk.put)
+    def _tell_gate(self, message: Message) -> None:
+        self.links.send(self.time, "operator", encode(message), self._operators.put)
 
     def end_controller(self) -> None:
         """Let the controller's process end; the gate sees it."""
@@ -229,7 +229,7 @@ class Rehearsal:
                 self.operator.see(state)
                 self.machine.driver.stop_requested = bool(state.stop) and state.state is not SupervisorState.STANDBY
         self._controller_channel.outbox.clear()
-        self._desk.outbox.clear()
+        self._operators.outbox.clear()
 
     def _obey(self, body: str) -> Callable[[bytes], None]:
         def obey(frame: bytes) -> None:
@@ -251,4 +251,4 @@ class Rehearsal:
         for part, role in _ROLES.items():
             if part not in self.stopped:
                 heartbeat = Heartbeat(sequence=0, time=now, valid_until=now + 10**9, role=role, healthy=1, state=state)
-                self._tell_desk(heartbeat)
+                self._tell_gate(heartbeat)

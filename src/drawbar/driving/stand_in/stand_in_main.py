@@ -17,8 +17,15 @@ from drawbar.driving.messaging.endpoint import Endpoint
 from drawbar.driving.messaging.process_options import DRIVER, ProcessOptions
 from drawbar.driving.processes.shutdown import ShutdownRequest, run_program
 from drawbar.driving.stand_in.caster import stand_in_caster
+from drawbar.driving.stand_in.device_transports import (
+    BoardLine,
+    CanLine,
+    DataLine,
+    SerialLine,
+    open_data_line,
+    open_line,
+)
 from drawbar.driving.stand_in.hand_steering import HandSteering
-from drawbar.driving.stand_in.lines import BoardLine, CanLine, DataLine, SerialLine, open_data_line, open_line
 from drawbar.driving.stand_in.stand_in_machine import SEED, Firmware, stand_in_machine
 from drawbar.errors import HardwareError
 from drawbar.machine.hardware.corrections.settings import CorrectionsSettings

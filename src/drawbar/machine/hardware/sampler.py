@@ -75,8 +75,6 @@ class Sampler:
         sample = min(fixes.epoch + median_low(self._delays), fixes.time + _AHEAD)
         moves = any(has and lacks >= _LACKED for has, lacks in zip(known, self._without, strict=True))
         if self._start is None:
-            if not all(known):
-                return None  # nothing begins without all antennas
             self._start = sample
         elif sample < (self._last + self._period * _MOVING_STEP if moves else self._due - self._earliest()):
             if moves:  # too soon after the last sample: its successor is the next one

@@ -10,7 +10,7 @@ from drawbar.machine.physics.multibody import Multibody
 from drawbar.machine.physics.settings import PhysicsMachineSettings
 from drawbar.machine.physics.state import ROLLING, Slides, State, slides
 from drawbar.machine.sampled import BLOCK, SampledMachine
-from drawbar.machine.senses import Senses
+from drawbar.machine.simulated_sensors import SimulatedSensors
 from drawbar.machine.slide import Slide
 from drawbar.machine.terrain import Terrain
 from drawbar.signals import Pose, Truth
@@ -53,7 +53,7 @@ class PhysicsMachine(SampledMachine):
         rng, history_rng, attitude_rng, floating_rng = _streams(seed)
         self.terrain = Terrain.of_seed(settings.terrain, seed)
         self.multibody = Multibody(self._vehicle, settings, self.terrain, start)
-        self._senses = Senses(
+        self._sensors = SimulatedSensors(
             vehicle=self._vehicle,
             settings=settings,
             sample_time=sample_time,
@@ -145,7 +145,7 @@ class PhysicsMachine(SampledMachine):
         )
 
     def _draw(self) -> None:
-        self._senses.draw(self._sample + np.arange(BLOCK, dtype=np.float64))
+        self._sensors.draw(self._sample + np.arange(BLOCK, dtype=np.float64))
 
 
 def _moment(age: float, row: list[float], rates: tuple[float, float]) -> Moment:

@@ -6,17 +6,9 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from drawbar.machine.events import ReceiverEvent
-from drawbar.machine.settings import (
-    ActuatorSettings,
-    AttitudeSensors,
-    DelaySettings,
-    HydrostatSettings,
-    LengthFactors,
-    MastErrors,
-    SensorSettings,
-    TerrainSettings,
-    demand_whole_steps,
-)
+from drawbar.machine.sensor_settings import AttitudeSensors, DelaySettings, MastErrors, SensorSettings
+from drawbar.machine.settings import ActuatorSettings, HydrostatSettings, LengthFactors, TerrainSettings
+from drawbar.machine.steps import demand_whole_steps
 from drawbar.settings import Length, NonNegative, NonNegativeLength, Offset, Positive, PositiveAngle, Settings
 
 

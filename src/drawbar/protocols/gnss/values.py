@@ -48,9 +48,9 @@ class Values:
         number = float(value) * scale
         return number if abs(number) <= _LARGEST_DEVIATION else -1.0
 
-    def integer(self, name: str, *, low: int = 0, high: int = 65535) -> int | None:
-        """Return a whole number, None where it is missing, or outside [low, high]."""
-        number = self.number(name, low=low, high=high)
+    def integer(self, name: str) -> int | None:
+        """Return a whole number, None where it is missing, or outside [0, 65535]."""
+        number = self.number(name, low=0, high=65535)
         return int(number) if number == number and number.is_integer() else None
 
     def text(self, name: str) -> str:

@@ -1,7 +1,6 @@
 """NAME: the 64 bits by which a device is known on the bus and by which two that want one address are told apart."""
 
 from dataclasses import dataclass, fields
-from typing import Self
 
 from drawbar.errors import ConfigurationError
 
@@ -58,10 +57,3 @@ class Name:
     def data(self) -> bytes:
         """The 64 bits as they go over the bus."""
         return self.value.to_bytes(8, "little")
-
-    @classmethod
-    def from_value(cls, value: int) -> Self:
-        """Return the fields of 64 bits; the reserved bit 48 is left out."""
-        found = {key: (value >> first) & ((1 << width) - 1) for key, (first, width) in _BITS.items()}
-        configurable = bool(found.pop("self_configurable"))
-        return cls(self_configurable=configurable, **found)

@@ -20,8 +20,9 @@ enum drawbar_line_status {
     DRAWBAR_LINE_MADE = 0,
     DRAWBAR_LINE_NULL = 1,                 /* a pointer is NULL */
     DRAWBAR_LINE_POINTS = 2,               /* fewer than two points, or one that is not finite, beyond 1e7 m, or where
-                                            * the one before is; a line shorter than 0.1 m or longer than 2000 km; or
-                                            * a limit that is not positive */
+                                            * the one before is; a line shorter than 0.1 m or longer than 2000 km (in
+                                            * single precision: beyond 10 km, longer than 10 km); or a limit that is
+                                            * not positive */
     DRAWBAR_LINE_MEMORY = 3,               /* more nodes are needed than there is room for: `made` says how many */
     DRAWBAR_LINE_TIGHT = 4,                /* bends, or changes its curvature, faster than the vehicle can: `made` is
                                             * the first such node */
@@ -41,7 +42,7 @@ struct drawbar_line_limits {
 
 /* One row of what drawbar_line_path works in; its content means nothing. */
 struct drawbar_line_row {
-    double values[6];
+    double memory[6];
 };
 
 /* Make the path along a recorded line. Returns enum drawbar_line_status.

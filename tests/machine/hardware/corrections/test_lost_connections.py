@@ -6,7 +6,7 @@ from collections.abc import Callable
 import pytest
 from caster_bench import FAST, LOGIN, Bench
 
-from drawbar.machine.hardware.corrections.status import CorrectionsState
+from drawbar.machine.hardware.corrections.status import CorrectionsNews, CorrectionsState
 from drawbar.machine.stand_in.caster import Caster, CasterFault, CasterSettings, Dialect
 
 BROKEN = {
@@ -32,6 +32,21 @@ def test_lost_connection_is_reported_and_opened_again(
             bench.clock.now += bench.status.next_attempt + 0.001
     if fault is CasterFault.CLOSE:  # a reset takes with it what was not read yet
         assert len(bench.frames) == 3 * 4
+
+
+def test_what_is_wrong_is_told_once_and_that_it_is_over(connect: Callable[..., Bench]) -> None:
+    news = CorrectionsNews()
+    with Caster(CasterSettings(login=LOGIN, interval=FAST, fault=CasterFault.CLOSE)) as caster:
+        bench = connect(caster.port)
+        bench.until_state(CorrectionsState.WAITING)
+        told = news.update(bench.status)
+        assert told == [bench.status.message]
+        assert "the other end has closed the connection; next attempt in 1 s" in told[0]
+        bench.clock.now += 0.5
+        assert news.update(bench.status) == []
+        bench.clock.now += 1.0
+        bench.until_state(CorrectionsState.FLOWING)
+        assert news.update(bench.status) == ["corrections come again"]
 
 
 def test_pause_is_short_again_after_a_stream_that_lasted(connect: Callable[..., Bench]) -> None:

@@ -1,5 +1,6 @@
 """Casters that refuse: it is told, and not tried again within a minute."""
 
+import socket
 from collections.abc import Callable
 
 import pytest
@@ -37,3 +38,18 @@ def test_refusal_is_reported_and_not_tried_again_within_a_minute(
         bench.clock.now += 12.2
         bench.until(lambda: len(there.requests) == 2)
     assert bench.stream == b""
+
+
+@pytest.mark.parametrize(("code", "shortest", "longest"), [(499, 60.0, 72.0), (500, 0.8, 1.2), (503, 0.8, 1.2)])
+def test_caster_in_trouble_is_tried_again_soon(
+    connect: Callable[..., Bench], code: int, shortest: float, longest: float
+) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        bench = connect(server.getsockname()[1])
+        bench.until_state(CorrectionsState.ASKING)
+        other, _ = server.accept()
+        with other:
+            other.sendall(b"HTTP/1.1 %d No\r\n\r\n" % code)
+            bench.until_state(CorrectionsState.WAITING)
+    assert f"refuses the request ({code})" in bench.status.message
+    assert shortest <= bench.status.next_attempt <= longest

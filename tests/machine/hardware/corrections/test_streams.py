@@ -2,12 +2,13 @@
 
 import socket
 from collections.abc import Callable
+from dataclasses import replace
 
 import pytest
 from caster_bench import FAST, LOGIN, Bench
 
 from drawbar.machine.hardware.corrections.session import AT_ONCE
-from drawbar.machine.hardware.corrections.status import CorrectionsState
+from drawbar.machine.hardware.corrections.status import CorrectionsNews, CorrectionsState
 from drawbar.machine.stand_in.caster import Caster, CasterSettings, Dialect, empty_corrections
 
 
@@ -77,9 +78,12 @@ def test_switched_base_is_noticed(connect: Callable[..., Bench]) -> None:
     def corrections(epoch: int) -> bytes:
         return empty_corrections(epoch, station=123 if epoch < 5 else 124)
 
+    news = CorrectionsNews()
     with Caster(CasterSettings(login=LOGIN, interval=FAST, corrections=corrections)) as caster:
         bench = connect(caster.port)
+        bench.until(lambda: bench.status.station == 123)
+        assert news.update(bench.status) == []
         bench.until(lambda: bench.status.station == 124)
-        assert bench.status.station_changed == 0.0
-        bench.clock.now += 4.0
-        assert bench.status.station_changed == 4.0
+        assert news.update(bench.status) == ["corrections come from another base, station 124: positions may jump"]
+    assert news.update(bench.status) == []
+    assert news.update(replace(bench.status, station=123)) == [], "stations in turns are told once"

@@ -70,7 +70,7 @@ class CorrectionsClient:
         pause = max(0.0, self._next - now) if session is None and self._attempts else 0.0
         return CorrectionsStatus(
             state=session.state if session else CorrectionsState.WAITING,
-            message=f"{self._failure}; next attempt in {pause:.0f} s" if self._failure and pause else self._failure,
+            failure=self._failure,
             next_attempt=pause,
             attempts=self._attempts,
             received=self._received + (session.received if session else 0),
@@ -78,7 +78,6 @@ class CorrectionsClient:
             types=dict(self._rtcm.types),
             observation_age=self._rtcm.observation_age(now),
             station=self._rtcm.station,
-            station_changed=now - self._rtcm.station_changed,
             dropped=dict(self._dropped),
         )
 

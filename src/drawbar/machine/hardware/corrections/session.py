@@ -18,6 +18,8 @@ PATIENCE = 60.0
 """a stream may say nothing for so long while the caster may be waiting for a position that the receiver lacks, s"""
 AT_ONCE = 4096
 """bytes taken at a time, 50 times a second: a hundred times what corrections are, and soon read whatever they are"""
+_IN_TROUBLE = 500
+"""least code of a caster that mends itself"""
 _ADVICE = {
     Answer.SOURCE_TABLE: "check corrections.mount",
     Answer.NO_MOUNT: "check corrections.mount",
@@ -103,7 +105,7 @@ class Session:
         if answer is None:
             return b""
         if answer is not Answer.STREAM:
-            self.refused = True
+            self.refused = self._reader.code < _IN_TROUBLE
             code = f" ({self._reader.code})" if self._reader.code else ""
             self.failure = f"the caster {answer.value}{code}; {_ADVICE[answer]}"
             return b""

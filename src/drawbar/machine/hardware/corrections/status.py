@@ -19,8 +19,8 @@ class CorrectionsStatus:
     """The corrections at an instant."""
 
     state: CorrectionsState
-    message: str
-    """for the operator: what is wrong and what to do; empty: nothing is"""
+    failure: str
+    """what is wrong and what to do; empty: nothing is"""
     next_attempt: float
     """s from now; 0 unless it waits"""
     attempts: int
@@ -34,8 +34,32 @@ class CorrectionsStatus:
     observation_age: float
     """since the last observations, s; inf: none yet"""
     station: int | None
-    """reference station"""
-    station_changed: float
-    """since the reference station became another one, s; inf: never"""
+    """reference station; another one means that the base was switched: positions may jump"""
     dropped: dict[str, int]
     """`bytes` outside frames and frames with a wrong `checksum`"""
+
+    @property
+    def message(self) -> str:
+        """For the operator: what is wrong, what to do, and when the next attempt begins; empty: nothing is wrong."""
+        wait = f"; next attempt in {self.next_attempt:.0f} s" if self.failure and self.next_attempt else ""
+        return self.failure + wait
+
+
+class CorrectionsNews:
+    """What has become otherwise with the corrections, in words for the operator, each once."""
+
+    def __init__(self) -> None:
+        self._failure = ""
+        self._stations = set[int]()
+
+    def update(self, status: CorrectionsStatus) -> list[str]:
+        """Return what is new since the last status."""
+        news = []
+        if status.failure != self._failure:
+            self._failure = status.failure
+            news.append(status.message or "corrections come again")
+        if status.station is not None and status.station not in self._stations:
+            if self._stations:  # those that a stream holds in turns are told once
+                news.append(f"corrections come from another base, station {status.station}: positions may jump")
+            self._stations.add(status.station)
+        return news

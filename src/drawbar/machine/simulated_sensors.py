@@ -1,4 +1,4 @@
-"""Senses of a machine in a computer: its true past in, a measurement out."""
+"""Simulated sensors of a machine in a computer: its true past in, a measurement out."""
 
 import math
 from typing import Any, Protocol
@@ -9,8 +9,8 @@ from drawbar.geometry import Floats, arm_offset, wrap
 from drawbar.machine.events import Event
 from drawbar.machine.floating import Floating
 from drawbar.machine.history import BodyMoment, History
-from drawbar.machine.sensing import Sensing
-from drawbar.machine.settings import (
+from drawbar.machine.sensor_errors import SensorErrors
+from drawbar.machine.sensor_settings import (
     AttitudeSensors,
     AttitudeSensorSettings,
     DelaySettings,
@@ -21,7 +21,7 @@ from drawbar.signals import FixQuality, Measurement
 from drawbar.vehicle.parameters import VehicleParameters
 
 
-class Sensed(Protocol):
+class SensorSections(Protocol):
     """The sections of a machine's settings that speak of its sensors."""
 
     @property
@@ -36,14 +36,14 @@ class Sensed(Protocol):
     def events(self) -> tuple[Event, ...]: ...  # noqa: D102
 
 
-class Senses:
+class SimulatedSensors:
     """All sensors; each kind draws its errors from a stream of its own, so that another kind leaves them alone."""
 
     def __init__(
         self,
         *,
         vehicle: VehicleParameters,
-        settings: Sensed,
+        settings: SensorSections,
         sample_time: float,
         rng: np.random.Generator,
         attitude_rng: np.random.Generator,
@@ -70,14 +70,14 @@ class Senses:
             )
             for body in ("tractor", "trailer")
         }
-        self._sensing = Sensing(settings.sensors, settings.events, sample_time, rng)
+        self._noise = SensorErrors(settings.sensors, settings.events, sample_time, rng)
         self._floating = Floating(settings.events, sample_time, floating_rng)
         self._attitude_rng = attitude_rng
         self._fix = [math.nan] * 4
 
     def draw(self, samples: Floats) -> None:
         """Draw the errors of the next block of samples (n,), given by their numbers."""
-        errors, held = self._sensing.block(self._sample_time * samples)
+        errors, held = self._noise.block(self._sample_time * samples)
         self._errors, self._held = errors.tolist(), held.tolist()
 
     def measure(self, sample: int, history: History) -> Measurement:

@@ -1,4 +1,4 @@
-"""Keeping compiled libraries: only whole ones are loaded, from a cache folder that the user alone can write.
+"""Integrity of the cache: only whole libraries are loaded, from a folder that the user alone can write.
 
 Beside each library lies a note of its size and SHA-256 hash, written after it, each by an atomic replacement. A library
 without its note, or another than the note says, is built again: the loader of a damaged one would kill the process.

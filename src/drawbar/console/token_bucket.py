@@ -1,4 +1,4 @@
-"""Allowances: how many requests one client may still make, and each of many clients. Pure: time is given."""
+"""Token bucket: limits how many requests a client may make. Pure: time is given."""
 
 from collections import OrderedDict
 from dataclasses import dataclass, field
@@ -8,8 +8,8 @@ _MOST = 256
 
 
 @dataclass(slots=True)
-class Allowance:
-    """How much one may still ask for: `rate` more each second, at most `burst`."""
+class TokenBucket:
+    """How many requests are left: `rate` more each second, at most `burst`."""
 
     rate: float
     burst: float
@@ -29,18 +29,18 @@ class Allowance:
         return True
 
 
-class Allowances:
-    """One allowance for each of many."""
+class TokenBuckets:
+    """One bucket for each client."""
 
     def __init__(self, rate: float, burst: float) -> None:
-        """Take what each is allowed."""
+        """Take rate (1/s) and burst of each bucket."""
         self._rate, self._burst = rate, burst
-        self._known: OrderedDict[str, Allowance] = OrderedDict()
+        self._known: OrderedDict[str, TokenBucket] = OrderedDict()
 
     def take(self, who: str, time: float) -> bool:
         """Return whether one more is allowed to somebody at a time, s."""
-        allowance = self._known.setdefault(who, Allowance(self._rate, self._burst))
+        bucket = self._known.setdefault(who, TokenBucket(self._rate, self._burst))
         self._known.move_to_end(who)
         if len(self._known) > _MOST:
             self._known.popitem(last=False)
-        return allowance.take(time)
+        return bucket.take(time)

@@ -12,7 +12,7 @@ pytest.importorskip("shapefile", reason="the extra `console` is not installed")
 from console_stage import HOST, Stage, client_id, console
 from nicegui import core, ui
 
-from drawbar.console.guard import LARGEST
+from drawbar.console.access_control import LARGEST
 from drawbar.console.passwords import load_users, save_user, verify
 from drawbar.console.visitors import COOKIE, LIFE, Rank, Visitors
 from drawbar.driving.messaging.console_options import ConsoleOptions

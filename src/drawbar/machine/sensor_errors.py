@@ -1,17 +1,17 @@
-"""Sensing errors, drawn in blocks of samples."""
+"""Sensor errors, drawn in blocks of samples."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drawbar.geometry import Floats
 from drawbar.machine.events import Event, GpsJump, GpsLoss, active
-from drawbar.machine.processes import OrnsteinUhlenbeck
-from drawbar.machine.settings import SensorSettings
+from drawbar.machine.random_processes import OrnsteinUhlenbeck
+from drawbar.machine.sensor_settings import SensorSettings
 
 _COLUMNS = {"tractor": slice(0, 2), "trailer": slice(2, 4), "both": slice(0, 4)}
 
 
-class Sensing:
+class SensorErrors:
     """The source of the sensors' additive errors and of the moments at which a receiver repeats itself."""
 
     def __init__(

@@ -1,4 +1,4 @@
-"""Workshop: fields and configuration as they are changed at the console, for the next drive."""
+"""Next drive: its fields and configuration, as they are changed at the console."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -10,7 +10,7 @@ from drawbar.fields.store import FieldStore
 from drawbar.geometry import LocalFrame
 
 
-class Workshop:
+class NextDrive:
     """What is changed builds on the configuration of this drive, and then on what was saved last."""
 
     def __init__(

@@ -1,22 +1,68 @@
-"""Functions of a problem at every stage, as C: dynamics, Hessian and gradient, and an estimator's outputs."""
-
-from typing import TYPE_CHECKING
+"""Solver's source: a transcribed problem as C, its functions at every stage included."""
 
 import casadi as ca
 
 from drawbar.codegen.emit import Input, Output, emit, emit_constants
 from drawbar.optimal.adaptive import way_of
-from drawbar.optimal.frame import ROWS, WORK
+from drawbar.optimal.frame import (
+    BARE,
+    BARE_WINDOW,
+    PHASES,
+    ROWS,
+    SOLVER_FIELDS,
+    TABLE,
+    UNIT,
+    WINDOW_PHASES,
+    WORK,
+)
+from drawbar.optimal.given import LARGEST_INPUT
+from drawbar.optimal.transcription import Transcription
 from drawbar.vehicle.model import column
-
-if TYPE_CHECKING:
-    from drawbar.optimal.transcription import Transcription
 
 LEVENBERG = 1e-9
 """Added to the Hessian of every input: what no output sees (a missing steering sensor, say) stays where it is."""
 
 
-def functions(t: "Transcription") -> str:
+def solver_source(t: Transcription, component: str = "") -> str:
+    """Return the C unit of a problem's solver.
+
+    Args:
+        t: the transcribed problem.
+        component: header that makes the solver a component of the autopilot. It defines `struct component`, which
+            begins with the solver (an estimator's with solver and window), and its COMPONENT_FIELDS; empty: the
+            solver is all there is.
+    """
+    return UNIT.format(
+        horizon=t.intervals,
+        held="" if t.held == 1 else f"#define INTERVALS {t.held}\n",
+        states=t.x.numel(),
+        inputs=t.u.numel(),
+        parameters=t.p.numel(),
+        outputs=t.output.numel(),
+        bounds=len(t.bounds),
+        still_states=t.still_states,
+        constant_states=t.constant_states,
+        constants=len(t.constants),
+        cross=int(t.crosses),
+        free=int(t.free_initial),
+        leaving=int(t.arrival),
+        added=int(t.added),
+        columns=int(not t.answered),
+        iterations=t.iterations,
+        largest=LARGEST_INPUT,
+        header="window.h" if t.arrival else "rti.h",
+        functions=_functions(t),
+        names=t.indices() if component else "",
+        component=f'#include "{component}"' if component else BARE_WINDOW if t.arrival else BARE,
+    )
+
+
+def introspection(t: Transcription) -> str:
+    """Return what a caller in another language needs besides the unit: fields by name, the solver's phases."""
+    return TABLE % SOLVER_FIELDS + PHASES + (WINDOW_PHASES if t.arrival else "")
+
+
+def _functions(t: Transcription) -> str:
     """Return C: rti_constants, dynamics, hessian, gradient, and what an estimator has besides."""
     nx = t.x.numel()
     w, y = (ca.SX.sym(name, t.output.numel()) for name in ("w", "y"))
@@ -64,7 +110,7 @@ def functions(t: "Transcription") -> str:
     return text
 
 
-def _dynamics(t: "Transcription", step: ca.SX, slope: ca.SX) -> list[Output]:
+def _dynamics(t: Transcription, step: ca.SX, slope: ca.SX) -> list[Output]:
     """Return F, A and B of every stage; constant states have no rows in A and B."""
     nx, moving, rows = t.x.numel(), t.x.numel() - t.constant_states, "(N + LEAVING)"
     A, B = (f"((double *)work->qp.{name}[PLACE(work, k)])" for name in "AB")

@@ -1,4 +1,4 @@
-"""The desk: leases, nonces, what an operator must have seen, and switches."""
+"""Operator requests: leases, nonces, what an operator must have seen, and switches."""
 
 import math
 
@@ -7,26 +7,26 @@ from gate_bench import Bench
 
 from drawbar.messages import Action, OperatorMessage, SupervisorState
 from drawbar.safety.causes import Cause
-from drawbar.safety.desk import SESSIONS, Desk
 from drawbar.safety.engagement import Engagement
+from drawbar.safety.operator_requests import SESSIONS, OperatorRequests
 from drawbar.safety.settings import SafetySettings
 
 READY = SupervisorState.READY
 
 
 class Table:
-    """A desk in front of a supervisor that is ready, and operators who see what they must."""
+    """Requests in front of a supervisor that is ready, and operators who see what they must."""
 
     def __init__(self, state=READY):
         self.engagement = Engagement(SafetySettings())
         self.engagement.state = state
-        self.desk = Desk(SafetySettings(), self.engagement)
+        self.requests = OperatorRequests(SafetySettings(), self.engagement)
         self.time, self.nonce = 100.0, 0
         self.show()
 
     def show(self, sequence=1):
         self.seen = (sequence, round(self.time * 1e9))
-        self.desk.show(*self.seen)
+        self.requests.show(*self.seen)
 
     def ask(self, action, value=0.0, lease=7, nonce=None, age=0.0, valid=1.0, seen=None):
         self.nonce += 1
@@ -36,22 +36,22 @@ class Table:
             time=round(sent * 1e9), valid_until=round((sent + valid) * 1e9), action=action, lease=lease,
             nonce=self.nonce if nonce is None else nonce, seen_sequence=sequence, seen_time=shown, value=value,
         )  # fmt: skip
-        self.desk.receive(self.time, message)
-        assert self.desk.answered == message.nonce
-        return self.desk.answer
+        self.requests.receive(self.time, message)
+        assert self.requests.answered == message.nonce
+        return self.requests.answer
 
 
 def test_arming_takes_the_lease_and_engaging_needs_it():
     table = Table()
     assert table.ask(Action.ENGAGE) is Cause.NOT_ARMED
     assert table.ask(Action.ARM) is None
-    assert table.desk.lease == 7
+    assert table.requests.lease == 7
     assert table.engagement.armed(table.time)
     assert table.ask(Action.ENGAGE, lease=8) is Cause.LEASE_HELD
     assert table.ask(Action.ARM, lease=8) is Cause.LEASE_HELD
     assert table.ask(Action.ENGAGE) is None
-    assert table.desk.take() == {Action.ENGAGE}
-    assert table.desk.take() == set()
+    assert table.requests.take() == {Action.ENGAGE}
+    assert table.requests.take() == set()
 
 
 def test_the_lease_of_a_silent_holder_is_free():
@@ -63,7 +63,7 @@ def test_the_lease_of_a_silent_holder_is_free():
     table.time += 0.01
     assert table.ask(Action.ENGAGE, lease=8) is Cause.NOT_ARMED
     assert table.ask(Action.ARM, lease=8) is None
-    assert table.desk.lease == 8
+    assert table.requests.lease == 8
     table.time += 1.9
     table.show()
     assert table.ask(Action.PRESENT, lease=8) is None
@@ -75,9 +75,9 @@ def test_whoever_releases_gives_the_lease_back():
     table = Table()
     table.ask(Action.ARM)
     table.ask(Action.RELEASE, lease=8)
-    assert table.desk.lease == 7
+    assert table.requests.lease == 7
     table.ask(Action.RELEASE)
-    assert table.desk.lease == 0
+    assert table.requests.lease == 0
     assert table.ask(Action.ARM, lease=8) is None
 
 
@@ -86,7 +86,7 @@ def test_stopping_needs_nothing(action):
     table = Table()
     table.ask(Action.ARM, lease=8)
     assert table.ask(action, lease=0, nonce=0, age=100.0, seen=(9, 9)) is None
-    assert table.desk.take() == {action}
+    assert table.requests.take() == {action}
 
 
 def test_a_message_counts_once_and_while_it_is_fresh():
@@ -123,56 +123,56 @@ def test_an_operator_must_see_what_is_so_now():
     assert table.ask(Action.ARM) is None
     table.time += 0.01
     assert table.ask(Action.ENGAGE) is Cause.SEEN_OLD
-    assert table.desk.take() == set()
+    assert table.requests.take() == set()
 
 
 def test_who_is_responsible_must_be_heard():
     table = Table()
-    assert table.desk.age(table.time) == math.inf
+    assert table.requests.age(table.time) == math.inf
     table.ask(Action.PRESENT, lease=8)
     table.ask(Action.ARM)
     table.time += 1.0
     table.show()
-    assert table.desk.age(table.time) == 1.0
+    assert table.requests.age(table.time) == 1.0
     table.ask(Action.PRESENT, lease=8)
-    assert table.desk.age(table.time) == 0.0, "before engaging anybody will do"
+    assert table.requests.age(table.time) == 0.0, "before engaging anybody will do"
     table.engagement.state = SupervisorState.ACTIVE
-    assert table.desk.age(table.time) == 1.0, "then only who engaged"
+    assert table.requests.age(table.time) == 1.0, "then only who engaged"
     table.ask(Action.PRESENT)
-    assert table.desk.age(table.time) == 0.0
+    assert table.requests.age(table.time) == 0.0
     table.ask(Action.PRESENT, seen=(0, 0))
     table.time += 0.5
-    assert table.desk.age(table.time) == 0.5
+    assert table.requests.age(table.time) == 0.5
 
 
 def test_a_switch_counts_by_its_edges_and_as_presence():
     table = Table()
-    table.desk.switch(0, True)
-    assert table.desk.take() == set(), "it was on before"
-    assert table.desk.age(table.time) == 0.0
-    table.desk.switch(0, False)
-    assert table.desk.take() == {Action.RELEASE}
-    table.desk.switch(0, True)
-    table.desk.switch(0, True)
-    assert table.desk.take() == {Action.ENGAGE}
+    table.requests.switch(0, True)
+    assert table.requests.take() == set(), "it was on before"
+    assert table.requests.age(table.time) == 0.0
+    table.requests.switch(0, False)
+    assert table.requests.take() == {Action.RELEASE}
+    table.requests.switch(0, True)
+    table.requests.switch(0, True)
+    assert table.requests.take() == {Action.ENGAGE}
     table.engagement.state = SupervisorState.ACTIVE
-    assert table.desk.age(table.time) == 0.0
-    table.desk.switch(0, None)
-    assert table.desk.age(table.time) == math.inf, "it is not heard any more"
-    table.desk.switch(0, True)
-    assert table.desk.take() == set(), "nor does coming back ask for anything"
-    table.desk.switch(1, None)
+    assert table.requests.age(table.time) == 0.0
+    table.requests.switch(0, None)
+    assert table.requests.age(table.time) == math.inf, "it is not heard any more"
+    table.requests.switch(0, True)
+    assert table.requests.take() == set(), "nor does coming back ask for anything"
+    table.requests.switch(1, None)
 
 
 def test_who_engages_by_message_is_responsible_though_there_is_a_switch():
     table = Table()
-    table.desk.switch(0, False)
-    table.desk.switch(0, True)
+    table.requests.switch(0, False)
+    table.requests.switch(0, True)
     table.ask(Action.ARM)
     table.ask(Action.ENGAGE)
     table.engagement.state = SupervisorState.ACTIVE
     table.time += 3.0
-    assert table.desk.age(table.time) == 3.0
+    assert table.requests.age(table.time) == 3.0
 
 
 @pytest.mark.parametrize(
@@ -195,28 +195,28 @@ def test_wishes_within_their_limits_pass(action, value, answer):
     assert table.ask(action, value) is answer
     nudge = value if action is Action.NUDGE and answer is None else 0.0
     speed = value if action is Action.SET_SPEED and answer is None else math.nan
-    assert table.desk.nudge == nudge
-    assert table.desk.set_speed == pytest.approx(speed, nan_ok=True)
-    assert table.desk.take() == set()
+    assert table.requests.nudge == nudge
+    assert table.requests.set_speed == pytest.approx(speed, nan_ok=True)
+    assert table.requests.take() == set()
 
 
 def test_nudges_add_up_to_their_limit():
     table = Table()
     table.ask(Action.ARM)
     assert [table.ask(Action.NUDGE, 0.125) for _ in range(3)] == [None, None, Cause.OUT_OF_RANGE]
-    assert table.desk.nudge == 0.25
+    assert table.requests.nudge == 0.25
     assert table.ask(Action.NUDGE, -0.5) is None
 
 
 def test_what_the_state_does_not_allow_is_answered():
     table = Table(SupervisorState.STANDBY)
     assert table.ask(Action.ARM) is Cause.STATE_NOT_READY
-    assert table.desk.lease == 0
+    assert table.requests.lease == 0
     assert table.ask(Action.ACKNOWLEDGE) is Cause.NOTHING_TO_ACKNOWLEDGE
     table.engagement.state = SupervisorState.OVERRIDE
     assert table.ask(Action.ACKNOWLEDGE) is None
-    assert table.desk.lease == 7
-    assert table.desk.take() == {Action.ACKNOWLEDGE}
+    assert table.requests.lease == 7
+    assert table.requests.take() == {Action.ACKNOWLEDGE}
 
 
 def test_the_answer_is_in_the_gates_state():
@@ -230,11 +230,11 @@ def test_the_answer_is_in_the_gates_state():
 def test_a_line_is_chosen_while_nothing_is_steered_and_takes_the_lease():
     table = Table(SupervisorState.STANDBY)
     assert table.ask(Action.LINE, -2.0) is None
-    assert (table.desk.line, table.desk.lease) == (-2, 7)
+    assert (table.requests.line, table.requests.lease) == (-2, 7)
     assert table.ask(Action.LINE, 1.0, lease=8) is Cause.LEASE_HELD
     for value in (0.5, 1e5, -1e300):
         assert table.ask(Action.LINE, value) is Cause.OUT_OF_RANGE
     table.engagement.state = SupervisorState.ACTIVE
     assert table.ask(Action.LINE, 1.0) is Cause.STEERED
-    assert table.desk.line == -2
-    assert table.desk.take() == set()
+    assert table.requests.line == -2
+    assert table.requests.take() == set()

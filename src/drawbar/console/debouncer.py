@@ -1,4 +1,4 @@
-"""Taps: a tap of a finger that bounces is ignored, and so is one on a button that has just come to its place. Pure."""
+"""Debouncer: ignores taps that bounce, and taps on a button that has just come to its place. Pure."""
 
 from collections.abc import Hashable, Mapping
 
@@ -10,7 +10,7 @@ _ONCE = frozenset({Action.ARM, Action.ENGAGE, Action.ACKNOWLEDGE})
 """what is never meant twice in a row"""
 
 
-class Taps:
+class Debouncer:
     """When which buttons came to their places, and what was asked for last. Time is given, in ns."""
 
     def __init__(self) -> None:

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from drawbar.codegen import build
-from drawbar.codegen.keeping import describe, note_of
+from drawbar.codegen.cache_integrity import describe, note_of
 from drawbar.errors import CompilerError
 
 posix = pytest.mark.skipif(sys.platform == "win32", reason="POSIX permissions")

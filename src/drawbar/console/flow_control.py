@@ -1,4 +1,4 @@
-"""Under way: pictures that a browser has not drawn yet. A slow browser gets fewer, and never old ones in a row."""
+"""Flow control: a slow browser is sent fewer pictures, and never draws old ones in a row."""
 
 import math
 import time
@@ -8,7 +8,7 @@ _LOST = 1.0
 """without a word of a picture that was sent, s"""
 
 
-class UnderWay:
+class FlowControl:
     """Counts pictures from when they are sent until the browser says that they are drawn."""
 
     def __init__(self) -> None:

@@ -1,4 +1,4 @@
-"""Guard: in front of every page and socket of the console. Who may ask, from where, how much and how often.
+"""Access control in front of every page and socket of the console. Who may ask, from where, how much and how often.
 
 Host and Origin are checked against the names under which the console is known (DNS rebinding, pages of other sites);
 a socket belongs to the visitor whose page opened it; floods and oversized messages end their connection.
@@ -11,7 +11,7 @@ from http.cookies import CookieError, SimpleCookie
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
-from drawbar.console.allowances import Allowance, Allowances
+from drawbar.console.token_bucket import TokenBucket, TokenBuckets
 from drawbar.console.visitors import COOKIE, Rank, Visitor, Visitors
 
 Scope = MutableMapping[str, Any]
@@ -50,7 +50,7 @@ _HEADERS = {
 }
 
 
-class Guard:
+class AccessControl:
     """ASGI middleware."""
 
     def __init__(
@@ -64,7 +64,7 @@ class Guard:
         owns: Callable[[str, Visitor], bool],
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        """Take what it guards.
+        """Take what stands behind it.
 
         Args:
             app: the application.
@@ -79,7 +79,7 @@ class Guard:
         self._asks_for_password, self._secure, self._owns = asks_for_password, secure, owns
         self._clock = clock
         self._sockets = 0
-        self._pages = Allowances(PAGE_RATE, PAGE_BURST)
+        self._pages = TokenBuckets(PAGE_RATE, PAGE_BURST)
         self._flooded: dict[str, float] = {}  # until when they are not served, by visitors' tokens
         self.refused = 0
         """requests and sockets that were refused, and sockets that were ended"""
@@ -135,7 +135,7 @@ class Guard:
             return
         scope[VISITOR] = visitor
 
-        async def send_guarded(message: Message) -> None:
+        async def checked_send(message: Message) -> None:
             if message["type"] == "http.response.start":
                 extra = [(key.encode(), value.encode()) for key, value in _HEADERS.items()]
                 extra += [(b"set-cookie", cookie)] if cookie else []
@@ -144,7 +144,7 @@ class Guard:
 
         left = _largest(scope)
 
-        async def receive_guarded() -> Message:
+        async def checked_receive() -> Message:
             nonlocal left
             message = await receive()
             left -= len(message.get("body") or b"")
@@ -153,7 +153,7 @@ class Guard:
                 return {"type": "http.disconnect"}
             return message
 
-        await self._app(scope, receive_guarded, send_guarded)
+        await self._app(scope, checked_receive, checked_send)
 
     async def _socket(self, scope: Scope, receive: Receive, send: Send, visitor: Visitor | None) -> None:
         page = parse_qs(scope.get("query_string", b"").decode("latin-1")).get("client_id", [""])[0]
@@ -161,15 +161,15 @@ class Guard:
             await self._refuse(scope, receive, send, 403, "")
             return
         scope[VISITOR] = visitor
-        allowance = Allowance(RATE, BURST)
+        bucket = TokenBucket(RATE, BURST)
         over = False
 
-        async def receive_guarded() -> Message:
+        async def checked_receive() -> Message:
             nonlocal over
             message = await receive()
             self._visitors.find(visitor.token, self._clock())  # whose words on the socket keep it known
             size = len(message.get("text") or "") + len(message.get("bytes") or b"")
-            if message["type"] == "websocket.receive" and not (size <= LARGEST and allowance.take(self._clock())):
+            if message["type"] == "websocket.receive" and not (size <= LARGEST and bucket.take(self._clock())):
                 over = True
                 self._pause(visitor)
             if over and message["type"] == "websocket.receive":
@@ -177,13 +177,13 @@ class Guard:
                 return {"type": "websocket.disconnect", "code": 1008}
             return message
 
-        async def send_guarded(message: Message) -> None:
+        async def checked_send(message: Message) -> None:
             if not over:
                 await send(message)
 
         self._sockets += 1
         try:
-            await self._app(scope, receive_guarded, send_guarded)
+            await self._app(scope, checked_receive, checked_send)
         finally:
             self._sockets -= 1
 

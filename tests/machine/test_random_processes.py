@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from drawbar.machine.processes import OrnsteinUhlenbeck
+from drawbar.machine.random_processes import OrnsteinUhlenbeck
 
 
 def process(step: float, seed: int, count: int) -> OrnsteinUhlenbeck:

@@ -1,4 +1,4 @@
-"""How much the console's guard lets through: sockets and their owners, floods, pages, bodies."""
+"""How much the console's access control lets through: sockets and their owners, floods, pages, bodies."""
 
 import asyncio
 
@@ -10,12 +10,12 @@ pytest.importorskip("shapefile", reason="the extra `console` is not installed")
 from console_stage import HOST
 from waiting import FakeClock
 
-from drawbar.console.guard import BURST, LARGEST, PAGE_BURST, PAGE_RATE, PAUSE, SOCKETS, Guard
+from drawbar.console.access_control import BURST, LARGEST, PAGE_BURST, PAGE_RATE, PAUSE, SOCKETS, AccessControl
 from drawbar.console.visitors import COOKIE, MOST, Rank, Visitors
 
 
 class Line:
-    """A web socket from outside: what is sent to the guard, and what it answers."""
+    """A web socket from outside: what is sent to it, and what it answers."""
 
     def __init__(self, visitor, page, origin=f"http://{HOST}", messages=()):
         cookie = f"{COOKIE}={visitor.token}".encode() if visitor else b""
@@ -33,7 +33,7 @@ class Line:
 
 
 class Inner:
-    """An application behind the guard that accepts, and counts what it is given."""
+    """An application behind it that accepts, and counts what it is given."""
 
     def __init__(self):
         self.received, self.waits = 0, None
@@ -48,11 +48,11 @@ class Inner:
 
 
 @pytest.fixture
-def guarded():
+def controlled():
     visitors, inner = Visitors(), Inner()
     one, other = (visitors.admit("", Rank.MAINTAINER, 0.0) for _ in range(2))
     visitors.find = lambda token, time: {one.token: one, other.token: other}.get(token)
-    guard = Guard(
+    access = AccessControl(
         inner,
         names={HOST},
         visitors=visitors,
@@ -61,17 +61,17 @@ def guarded():
         owns=lambda page, visitor: (page, visitor) == ("page", one),
         clock=FakeClock(),
     )
-    return guard, inner, one, other
+    return access, inner, one, other
 
 
-def served(guard, line):
-    asyncio.run(guard(line.scope, line.receive, line.send))
+def served(access, line):
+    asyncio.run(access(line.scope, line.receive, line.send))
     return line.answers
 
 
-def test_a_socket_is_its_pages_owners_only(guarded):
-    guard, _, one, other = guarded
-    assert served(guard, Line(one, "page")) == ["websocket.accept"]
+def test_a_socket_is_its_pages_owners_only(controlled):
+    access, _, one, other = controlled
+    assert served(access, Line(one, "page")) == ["websocket.accept"]
     for line in (
         Line(other, "page"),
         Line(None, "page"),
@@ -79,19 +79,19 @@ def test_a_socket_is_its_pages_owners_only(guarded):
         Line(one, ""),
         Line(one, "page", origin="http://attacker.example"),
     ):
-        assert served(guard, line) == ["websocket.close"]
+        assert served(access, line) == ["websocket.close"]
 
 
-def test_whoever_speaks_on_a_socket_stays_known(guarded):
-    guard, inner, _, _ = guarded
-    visitors = guard._visitors = Visitors()
+def test_whoever_speaks_on_a_socket_stays_known(controlled):
+    access, inner, _, _ = controlled
+    visitors = access._visitors = Visitors()
     speaker = visitors.admit("", Rank.MAINTAINER, 0.0)
-    guard._owns = lambda page, visitor: True
+    access._owns = lambda page, visitor: True
 
     async def receive_while_others_come():
         inner.waits = asyncio.Event()
         line = Line(speaker, "page", messages=[{"type": "websocket.receive", "text": "x"}] * 3)
-        speaks = asyncio.create_task(guard(line.scope, line.receive, line.send))
+        speaks = asyncio.create_task(access(line.scope, line.receive, line.send))
         await asyncio.sleep(0)
         for _ in range(MOST - 1):
             visitors.admit("", Rank.MAINTAINER, 0.0)
@@ -103,42 +103,42 @@ def test_whoever_speaks_on_a_socket_stays_known(guarded):
     assert speaker.is_known
 
 
-def test_a_flood_and_what_is_too_large_end_their_socket(guarded):
-    guard, inner, one, _ = guarded
+def test_a_flood_and_what_is_too_large_end_their_socket(controlled):
+    access, inner, one, _ = controlled
     flood = [{"type": "websocket.receive", "text": "x"}] * 10_000
-    assert served(guard, Line(one, "page", messages=flood)) == ["websocket.accept"]
+    assert served(access, Line(one, "page", messages=flood)) == ["websocket.accept"]
     assert 0 < inner.received <= BURST + 1
     inner.received = 0
-    guard._clock.now += PAUSE
+    access._clock.now += PAUSE
     large = [{"type": "websocket.receive", "bytes": bytes(LARGEST + 1)}]
-    assert served(guard, Line(one, "page", messages=large)) == ["websocket.accept"]
+    assert served(access, Line(one, "page", messages=large)) == ["websocket.accept"]
     assert inner.received == 0
 
 
-def test_whoever_flooded_is_not_served_for_a_while_and_others_are(guarded):
-    guard, _, one, other = guarded
-    guard._owns = lambda page, visitor: True
+def test_whoever_flooded_is_not_served_for_a_while_and_others_are(controlled):
+    access, _, one, other = controlled
+    access._owns = lambda page, visitor: True
     flood = [{"type": "websocket.receive", "text": "x"}] * 1000
-    assert served(guard, Line(one, "page", messages=flood)) == ["websocket.accept"]
-    assert served(guard, Line(one, "page")) == ["websocket.close"]
-    assert asked(guard, one) == [429]
-    assert served(guard, Line(other, "page")) == ["websocket.accept"]
-    assert asked(guard, other) == [200]
-    guard._clock.now += PAUSE
-    assert served(guard, Line(one, "page")) == ["websocket.accept"]
+    assert served(access, Line(one, "page", messages=flood)) == ["websocket.accept"]
+    assert served(access, Line(one, "page")) == ["websocket.close"]
+    assert asked(access, one) == [429]
+    assert served(access, Line(other, "page")) == ["websocket.accept"]
+    assert asked(access, other) == [200]
+    access._clock.now += PAUSE
+    assert served(access, Line(one, "page")) == ["websocket.accept"]
 
 
-def test_pages_are_built_so_often_for_an_address(guarded):
-    guard, _, one, _ = guarded
+def test_pages_are_built_so_often_for_an_address(controlled):
+    access, _, one, _ = controlled
     burst = int(PAGE_BURST)
-    assert asked(guard, one, burst + 1) == [200] * burst + [429]
-    assert asked(guard, one, address="192.168.5.11") == [200]
-    assert asked(guard, one, path="/drawbar/console.css") == [200]
-    guard._clock.now += 1.0 / PAGE_RATE
-    assert asked(guard, one, 2) == [200, 429]
+    assert asked(access, one, burst + 1) == [200] * burst + [429]
+    assert asked(access, one, address="192.168.5.11") == [200]
+    assert asked(access, one, path="/drawbar/console.css") == [200]
+    access._clock.now += 1.0 / PAGE_RATE
+    assert asked(access, one, 2) == [200, 429]
 
 
-def asked(guard, visitor, times=1, path="/", address="192.168.5.10"):
+def asked(access, visitor, times=1, path="/", address="192.168.5.10"):
     """Return with what pages are answered that a visitor asks for."""
     headers = [(b"host", HOST.encode()), (b"cookie", f"{COOKIE}={visitor.token}".encode())]
     scope = {"type": "http", "method": "GET", "path": path, "headers": headers, "query_string": b""}
@@ -153,21 +153,21 @@ def asked(guard, visitor, times=1, path="/", address="192.168.5.10"):
 
     async def whole():
         for _ in range(times):
-            await guard({**scope, "client": (address, 1)}, None, send)
+            await access({**scope, "client": (address, 1)}, None, send)
 
-    sockets, guard._app = guard._app, inner
+    sockets, access._app = access._app, inner
     asyncio.run(whole())
-    guard._app = sockets
+    access._app = sockets
     return statuses
 
 
-def test_only_so_many_sockets_are_open(guarded):
-    guard, inner, one, _ = guarded
+def test_only_so_many_sockets_are_open(controlled):
+    access, inner, one, _ = controlled
 
     async def whole():
         inner.waits = asyncio.Event()
         lines = [Line(one, "page") for _ in range(SOCKETS + 1)]
-        tasks = [asyncio.create_task(guard(line.scope, line.receive, line.send)) for line in lines]
+        tasks = [asyncio.create_task(access(line.scope, line.receive, line.send)) for line in lines]
         await asyncio.sleep(0)
         inner.waits.set()
         await asyncio.gather(*tasks)
@@ -176,8 +176,8 @@ def test_only_so_many_sockets_are_open(guarded):
     assert sorted(asyncio.run(whole())) == sorted([["websocket.accept"]] * SOCKETS + [["websocket.close"]])
 
 
-def test_a_body_in_pieces_without_end_is_cut_off(guarded):
-    guard, _, one, _ = guarded
+def test_a_body_in_pieces_without_end_is_cut_off(controlled):
+    access, _, one, _ = controlled
     received = []
 
     async def inner(scope, receive, send):
@@ -190,9 +190,9 @@ def test_a_body_in_pieces_without_end_is_cut_off(guarded):
     async def send(message):
         pass
 
-    guard._app = inner
+    access._app = inner
     headers = [(b"host", HOST.encode()), (b"cookie", f"{COOKIE}={one.token}".encode())]
     scope = {"type": "http", "method": "POST", "path": "/login", "headers": headers, "query_string": b""}
-    asyncio.run(guard(scope, receive, send))
+    asyncio.run(access(scope, receive, send))
     assert sum(received) == LARGEST
-    assert guard.refused == 1
+    assert access.refused == 1

@@ -1,4 +1,4 @@
-"""The desk: what operators ask for, by message or by a switch at an actuator, and what becomes of it. Pure.
+"""Operator requests: what is asked for, by message or by a switch at an actuator, and what becomes of it. Pure.
 
 One operator at a time holds the lease and may engage; stopping needs no lease. A message counts if it has not been
 received before, is not old, and its sender sees what the gate does now.
@@ -21,7 +21,7 @@ _LINES = 10_000
 """most working widths from the configured line"""
 
 
-class Desk:
+class OperatorRequests:
     """Who holds the lease, what was asked for since the last tick, and the answer to the last message."""
 
     def __init__(self, settings: SafetySettings, engagement: Engagement) -> None:

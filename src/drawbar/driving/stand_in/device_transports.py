@@ -1,4 +1,4 @@
-"""Lines of the stand-in: sockets, pseudo-terminals and a CAN bus, where the configuration has devices."""
+"""Transports of the stand-in's devices: sockets, pseudo-terminals and a CAN bus, where a configuration has devices."""
 
 import errno
 import os

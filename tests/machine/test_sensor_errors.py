@@ -8,14 +8,14 @@ from numpy.typing import NDArray
 
 from drawbar.geometry import Floats
 from drawbar.machine.events import Event, GpsJump, GpsLoss
-from drawbar.machine.sensing import Sensing
-from drawbar.machine.settings import SensorSettings
+from drawbar.machine.sensor_errors import SensorErrors
+from drawbar.machine.sensor_settings import SensorSettings
 
 TIMES = 0.2 * np.arange(5000.0)
 
 
 def block(*events: Event, settings: SensorSettings | None = None, seed: int = 6) -> tuple[Floats, NDArray[np.bool_]]:
-    return Sensing(settings or SensorSettings(), events, 0.2, np.random.default_rng(seed)).block(TIMES)
+    return SensorErrors(settings or SensorSettings(), events, 0.2, np.random.default_rng(seed)).block(TIMES)
 
 
 def test_deviations_are_those_of_the_settings() -> None:

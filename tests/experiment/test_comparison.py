@@ -1,0 +1,30 @@
+"""A product beside others, over the same variants."""
+
+from collections.abc import Callable
+
+from drawbar.experiment.comparison import comparison
+from drawbar.experiment.elements import Table, Text
+from drawbar.experiment.experiment import Experiment
+from drawbar.experiment.measure import Runs
+from drawbar.experiment.measured import MeasuredExperiment
+
+TOML = """
+title = "Compared"
+cases = [{ name = "a", configuration = "articulated" }, { name = "b", configuration = "paper", variants = ["x", "y"] }]
+variants = [{ name = "x" }, { name = "y" }, { name = "z" }]
+"""
+FIGURES = ("tractor mean", "trailer mean")
+
+
+def test_means_stand_side_by_side_and_who_is_nearer_with_both_bodies_is_named(
+    write_experiment: Callable[[str], Experiment], short_result
+) -> None:
+    driven = {"a: x": (2.0, 2.0), "a: y": (1.0, 1.0), "a: z": (1.0, 1.0), "b: x": (1.0, 1.5), "b: y": (0.5, 1.5)}
+    runs = {name: Runs(results=[short_result], failures=[]) for name in driven}
+    figures = {name: [dict(zip(FIGURES, each, strict=True))] for name, each in driven.items()}
+    measured = MeasuredExperiment(experiment=write_experiment(TOML), seeds=1, runs=runs, figures=figures)
+    table, said = comparison(measured, "a", FIGURES)
+    assert isinstance(table, Table)
+    assert isinstance(said, Text)
+    assert table.rows == [["x", "2.0 / 2.0", "1.0 / 1.5"], ["y", "1.0 / 1.0", "0.5 / 1.5"]]
+    assert "- `b`: x\n" in said.text
