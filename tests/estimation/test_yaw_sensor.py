@@ -76,7 +76,7 @@ def test_the_mountings_error_is_found_where_both_bodies_have_fixes() -> None:
     rng, sensor, off = np.random.default_rng(7), Sensor(), math.radians(2.0)
     for yaw in np.linspace(-4.0, 4.0, 300).tolist():
         shown = wrap(yaw + rng.normal(0.0, math.radians(1.5)))
-        answer = sensor.judged(wrap(yaw + off), yaw, shown)
+        answer = sensor.judged(wrap(yaw + off), yaw, shown, rate=0.3 * math.sin(yaw))
     assert sensor.error == pytest.approx(-off, abs=math.radians(0.3))
     assert answer == pytest.approx(yaw, abs=math.radians(0.3))
 
@@ -98,6 +98,14 @@ def test_an_unreported_age_is_found_beside_the_mountings_error(
     assert sensor.latency == pytest.approx(yaw_late - fixes_late, abs=0.03)
     assert sensor.error == pytest.approx(-off, abs=math.radians(0.3))
     assert answer == pytest.approx(yaw(time - fixes_late + corrected), abs=math.radians(0.5))
+
+
+def test_beside_a_reference_a_yaw_is_used_once_turns_have_shown_its_age() -> None:
+    sensor = Sensor()
+    assert all(math.isnan(sensor.judged(0.0, 0.0, 0.0)) for _ in range(100))
+    turning = [sensor.judged(0.0, 0.0, 0.0, rate=0.3) for _ in range(20)]
+    assert math.isnan(turning[0])
+    assert turning[-1] == pytest.approx(0.0, abs=1e-12)
 
 
 def test_without_a_reference_the_measured_yaw_counts() -> None:
