@@ -12,6 +12,7 @@ from drawbar.experiment.task import Result
 PRODUCT = "articulated"
 BODIES = ("tractor", "trailer")
 MEANS = tuple(f"{body} mean" for body in BODIES)
+LARGEST = tuple(f"{body} largest" for body in BODIES)
 BEGINS = 5.0
 """way along the path that is left out at the start, m"""
 STRAIGHT = "straight"
@@ -53,7 +54,7 @@ def _straight_deviation(result: Result, body: str) -> float:
 def report(measured: MeasuredExperiment) -> Iterator[Element]:
     """Yield the product's table, the comparators' and who is nearer than the product."""
     yield _product(measured)
-    yield from comparison(measured, PRODUCT, MEANS)
+    yield from comparison(measured, PRODUCT, MEANS, LARGEST)
 
 
 def _product(measured: MeasuredExperiment) -> Table:

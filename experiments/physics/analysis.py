@@ -12,6 +12,7 @@ from drawbar.experiment.task import Result
 PRODUCT = "articulated"
 BODIES = ("tractor", "trailer")
 MEANS = tuple(f"{body} mean" for body in BODIES)
+LARGEST = tuple(f"{body} largest" for body in BODIES)
 BEGINS = 5.0
 """way along the path that is left out at the start, m"""
 VALIDATION = {
@@ -65,7 +66,7 @@ def report(measured: MeasuredExperiment) -> Iterator[Element]:
         header=["", "finished", "tractor", "validation", "trailer", "validation", "masked, %", "roll, °"],
         rows=[_row(measured, variant) for variant in variants],
     )
-    yield from comparison(measured, PRODUCT, MEANS)
+    yield from comparison(measured, PRODUCT, MEANS, LARGEST)
 
 
 def _row(measured: MeasuredExperiment, variant: str) -> list[str]:
