@@ -17,7 +17,8 @@ def test_a_row_has_means_and_what_making_the_line_drivable_cost(
     make_result, assemble, write_parts, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(ROOT)
-    classes = {name: ErrorStatistics(mean=0.01, rms=0.01, max=0.1) for name in ("straight", "curve", "kink", "all")}
+    error = ErrorStatistics(mean=0.01, rms=0.01, max=0.1, deviation=0.02, p95=0.03)
+    classes = dict.fromkeys(("straight", "curve", "kink", "all"), error)
     calm = classes | {"kink": ErrorStatistics(mean=math.nan, rms=math.nan, max=math.nan)}
     results = {
         name: [make_result({}, error_m=Bodies(tractor=each, trailer=each))] * 2
@@ -25,9 +26,10 @@ def test_a_row_has_means_and_what_making_the_line_drivable_cost(
     }
     _, tables = write_parts(assemble(results))
     rows = {row[0]: row[1:] for row in tables["lines"].rows}
-    assert rows["Cu 14.1°"][:4] == [*["1.0 / 1.0"] * 3, "10 / 10"]
-    assert rows["Cu 85.2°"][:4] == ["1.0 / 1.0", "1.0 / 1.0", "–", "10 / 10"]
-    loose, tight = map(float, rows["Cu 14.1°"][4].split(" / "))
+    whole = ["2.0 / 2.0", "3.0 / 3.0", "10 / 10"]
+    assert rows["Cu 14.1°"][:6] == [*["1.0 / 1.0"] * 3, *whole]
+    assert rows["Cu 85.2°"][:6] == ["1.0 / 1.0", "1.0 / 1.0", "–", *whole]
+    loose, tight = map(float, rows["Cu 14.1°"][6].split(" / "))
     assert 0.1 < tight < loose < 1.0
 
 
