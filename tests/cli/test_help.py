@@ -77,7 +77,7 @@ def test_help_breaks_no_line_where_the_source_does() -> None:
     assert not [text for text in helps if "\n" in text.replace("\n\n", "")]
 
 
-@pytest.mark.parametrize(("command", "usage"), [("config", "[CONFIG]"), ("tune", "[KEY=LOW..HIGH]...")])
+@pytest.mark.parametrize(("command", "usage"), [("config", "[CONFIG]"), ("tune", "[KEY=LOW..HIGH]")])
 def test_help_has_one_pair_of_brackets_around_what_may_be_left_out(command: str, usage: str) -> None:
     _, text = said(command, "--help")
     assert usage in text

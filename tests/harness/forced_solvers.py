@@ -6,14 +6,16 @@ from pathlib import Path
 FORCED = (
     ("kkt.h", "#define CHECK_TOLERANCE 1e-8", "#define CHECK_TOLERANCE (-1.0)"),
     ("kkt.h", "if (worst <= CHECK_TOLERANCE && !(gap <= ", "if (1 || !(gap <= "),
-    ("ip_start.h", "if (!ip_far_out(s, out, span))", "if (ip_far_out(s, out, span) > 1)"),
+    ("ip_start.h", "if (!(farthest > FAR_OUT))", "if (farthest < 0.0)"),
     ("interior_point.h", "if (s->kkt <= IP_TOLERANCE)", "if (0)"),
     (
         "interior_point.h",
         "if (ip_measure(ip, step) < mu)",
         "if (ip->astray == ASTRAY - 1 && s->iterations < IP_ITERATIONS)",
     ),
-    ("interior_point.h", "ip->stalled >= STALLED && ip_outside(s) < LOOSEN_OUTSIDE", "ip_outside(s) >= 0.0"),
+    ("interior_point.h", "if (ip->stalled < STALLED)", "if (0)"),
+    ("interior_point.h", "ip_outside(s) < LOOSEN_OUTSIDE", "ip_outside(s) >= 0.0"),
+    ("interior_point.h", "if (!(damped > 0.5 * left))", "if (0)"),
     ("interior_point.h", "if (ip->infeasible > FARKAS_FORGIVEN)", "if (0)"),
     ("interior_point.h", "ip_loosen(ip))\n            continue;", "ip_loosen(ip))\n            __builtin_trap();"),
     ("interior_point.h", "return ip_end(s, ip, NOT_FINITE);", "__builtin_trap();"),

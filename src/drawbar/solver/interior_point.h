@@ -285,11 +285,13 @@ static int ip_undamp(struct interior_point *ip)
 {
     double damped = 0.0, left = 0.0;
 
+    if (!(ip->damping.share > LEAST_DAMPING))
+        return 0;
     for (int i = 0; i < NZ; ++i) {
         damped += ip->damping.share * ip->damping.weight[kind_of(i)] * ip->dz[i] * ip->dz[i];
         left += fabs(ip->gradient[i] * ip->dz[i]);
     }
-    if (!(damped > 0.5 * left) || !(ip->damping.share > LEAST_DAMPING))
+    if (!(damped > 0.5 * left))
         return 0;
     ip->damping.share /= LOOSEN_BY;
     return 1;
@@ -319,7 +321,7 @@ static int qp_interior_point(struct qp *s, struct interior_point *ip, int32_t *l
 
     if (*left <= 0)
         return MAXIMUM_ITERATIONS;
-    const double near = ip_approach(s, ip);
+    const double near = ip_approach(s, ip, left);
     if (near == 0.0)
         return NOT_FINITE;
     ip_start(s, ip, near);
@@ -339,8 +341,10 @@ static int qp_interior_point(struct qp *s, struct interior_point *ip, int32_t *l
             return SOLVED;
         if (best->kkt <= CHECK_TOLERANCE && s->kkt >= 0.5 * best->kkt)
             return ip_restore(s, best);
-        if (ip_watch(s, ip, step))
+        if (ip_watch(s, ip, step)) {
             stages = N + 1;
+            --*left;                       /* as it takes longer */
+        }
         if (status == SOLVED)
             ip_keep(s, best);
         else if (s->iterations % FARKAS_EVERY == 0)

@@ -152,9 +152,9 @@ static int ip_draw(struct qp *restrict s, struct interior_point *restrict ip, co
 }
 
 /* Where the cost is nearly flat its minimum without bounds lies so far out that nothing about it is a start. Draw all
- * bounded variables towards their bounds, no harder than it takes: first as hard as the cost itself curves. Returns how near to a
- * bound a start may lie then, 0 on failure. */
-static COLD double ip_approach(struct qp *restrict s, struct interior_point *restrict ip)
+ * bounded variables towards their bounds, no harder than it takes: first as hard as the cost itself curves. To draw again counts
+ * as an iteration of *left, which takes longer. Returns how near to a bound a start may lie then, 0 on failure. */
+static COLD double ip_approach(struct qp *restrict s, struct interior_point *restrict ip, int32_t *left)
 {
     double away[NX + NU], now[NX + NU], curve[NX + NU] = {0.0}, curvature[NX + NU];
     const double farthest = ip_far_out(s, away);
@@ -163,7 +163,7 @@ static COLD double ip_approach(struct qp *restrict s, struct interior_point *res
         return NEAR;
     for (int i = 0; i < NB; ++i)
         curve[kind_of(s->bound[i])] = largest(curve[kind_of(s->bound[i])], ip_curvature(s, i));
-    for (double pull = 1.0;; pull = pull < LAST_PULL ? PULL_MORE * pull : farthest) {
+    for (double pull = 1.0;; pull = pull < LAST_PULL ? PULL_MORE * pull : farthest, --*left) {
         for (int j = 0; j < NX + NU; ++j)
             curvature[j] = curve[j] * (away[j] < pull ? away[j] : pull);
         if (!ip_draw(s, ip, curvature))
