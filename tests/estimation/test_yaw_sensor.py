@@ -100,9 +100,9 @@ def test_an_unreported_age_is_found_beside_the_mountings_error(
     assert answer == pytest.approx(yaw(time - fixes_late + corrected), abs=math.radians(0.5))
 
 
-def test_beside_a_reference_a_yaw_is_used_once_turns_have_shown_its_age() -> None:
+def test_beside_a_reference_a_yaw_counts_in_turns_once_they_have_shown_its_age() -> None:
     sensor = Sensor()
-    assert all(math.isnan(sensor.judged(0.0, 0.0, 0.0)) for _ in range(100))
+    assert [sensor.judged(0.0, 0.0, 0.0, rate=0.05) for _ in range(100)] == pytest.approx([0.0] * 100, abs=1e-12)
     turning = [sensor.judged(0.0, 0.0, 0.0, rate=0.3) for _ in range(20)]
     assert math.isnan(turning[0])
     assert turning[-1] == pytest.approx(0.0, abs=1e-12)

@@ -2,8 +2,8 @@
  *
  * The mounting of the antennas differs from the configured one, and the yaw may be older than reported. Where fixes of both
  * bodies and the angles between them give a reference for the yaw, a Kalman filter estimates both: the mounting's error is the
- * same at all yaw rates, and what the age causes is in proportion to the yaw rate. The yaw is used once its age is known: the
- * loop swings by one that is late. Where the tractor has the only receiver both errors are not observable, and the estimated
+ * same at all yaw rates, and what the age causes is in proportion to the yaw rate. In turns the yaw is used once its age is known:
+ * the loop swings by one that is late. Where the tractor has the only receiver both errors are not observable, and the estimated
  * side-slip absorbs them. A yaw outside its gate, as with wrong ambiguities, is rejected.
  */
 #ifndef DRAWBAR_YAW_SENSOR_H
@@ -17,7 +17,7 @@
 #define YAW_ERROR_PRIOR 0.015              /* prior standard deviation of the mounting's error, rad */
 #define YAW_ERROR_WALK 1.2e-4              /* its random walk, rad per square root of a second */
 #define YAW_LATENCY_PRIOR 0.1              /* prior standard deviation of the latency, s */
-#define YAW_LATENCY_KNOWN 0.05             /* standard deviation below which the yaw is used beside a reference, s */
+#define YAW_LATE_MOST 0.0087               /* most that an unknown age may make of a yaw that is used beside a reference, rad */
 #define YAW_LATENCY_WALK 0.002             /* its random walk, s per square root of a second */
 
 /* What is known of the tractor's yaw without its sensor. */
@@ -80,7 +80,7 @@ static inline double yaw_judged(struct yaw_sensor *sensor, double measured, cons
     if (!(fabs(innovation) <= sensor->gate))
         return (double)NAN;
     yaw_compare(sensor, known, measured, elapsed);
-    if (isfinite(known->reference) && sensor->latency_variance > YAW_LATENCY_KNOWN * YAW_LATENCY_KNOWN)
+    if (isfinite(known->reference) && fabs(known->rate) * sqrt(sensor->latency_variance) > YAW_LATE_MOST)
         return (double)NAN;
     return known->expected + innovation;
 }
