@@ -9,7 +9,7 @@ from types import FrameType
 _INTERRUPTED = 130
 """exit code, as shells have it"""
 _AGAIN = 0.01
-"""s after which an interrupt that CasADi would lose is raised again"""
+"""s after which an interrupt that CasADi or Python has dropped is raised again"""
 
 
 def main() -> None:
@@ -21,17 +21,15 @@ def main() -> None:
         interrupted = True
         if not _in_casadi(frame):
             raise KeyboardInterrupt
-        again = Timer(_AGAIN, _thread.interrupt_main)
-        again.daemon = True
-        again.start()
+        _interrupt_again()
 
     try:
         if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
             signal.signal(signal.SIGINT, interrupt)
-            sys.unraisablehook = _tell_unless_interrupted
+            sys.unraisablehook = _tell_or_interrupt_again
         from drawbar.cli.main import main as program  # takes a while
 
-        if interrupted:  # and whatever ran at that instant, such as a destructor, dropped it
+        if interrupted:  # and a library has caught it
             raise KeyboardInterrupt
         program()
     except SystemExit as end:
@@ -46,9 +44,17 @@ def main() -> None:
         sys.exit(_INTERRUPTED)
 
 
-def _tell_unless_interrupted(dropped: "sys.UnraisableHookArgs") -> None:
-    """Print an error that Python drops, as in a destructor, unless it is an interrupt, which ends the program later."""
-    if dropped.exc_type is not KeyboardInterrupt:
+def _interrupt_again() -> None:
+    again = Timer(_AGAIN, _thread.interrupt_main)
+    again.daemon = True
+    again.start()
+
+
+def _tell_or_interrupt_again(dropped: "sys.UnraisableHookArgs") -> None:
+    """Print an error that Python drops, as in a destructor; an interrupt is raised once more."""
+    if dropped.exc_type is KeyboardInterrupt:
+        _interrupt_again()
+    else:
         sys.__unraisablehook__(dropped)
 
 

@@ -115,6 +115,7 @@ class Drop:
             Ends()
 sys.meta_path.insert(0, Drop())
 """
+_DROPPED_LATER = _DROPPED.replace("drawbar.cli.main", "drawbar.simulation")
 _IN_CASADI = """
 import casadi
 def interrupt(*given, whole=casadi.DM_from_array):  # casadi drops what is raised here
@@ -149,8 +150,8 @@ def test_a_second_interrupt_while_python_ends_says_nothing_more() -> None:
 @pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
 @pytest.mark.parametrize(
     ("prepare", "seconds"),
-    [(_TELLS, 0.0), (_TELLS, 0.2), (_TELLS, 0.8), (_DROPPED, None), (_IN_CASADI, None)],
-    ids=["at once", "0.2 s", "0.8 s", "dropped", "in casadi"],
+    [(_TELLS, 0.0), (_TELLS, 0.2), (_TELLS, 0.8), (_DROPPED, None), (_DROPPED_LATER, None), (_IN_CASADI, None)],
+    ids=["at once", "0.2 s", "0.8 s", "dropped", "dropped later", "in casadi"],
 )
 def test_an_interrupt_while_the_program_loads_is_one_line(tmp_path: Path, prepare: str, seconds: float | None) -> None:
     program = f"import signal, sys, drawbar.__main__ as program\n{prepare}\nprogram.main()"
