@@ -184,6 +184,13 @@ def test_the_report_shows_the_cases_of_two_experiments_side_by_side(measured: Me
     assert f"| slow | {means} | {means} |" in text
 
 
+def test_a_figure_to_be_shown_side_by_side_that_no_run_has_is_refused(measured: MeasuredExperiment) -> None:
+    settings = measured.experiment.settings.model_copy(update={"side_by_side": ("tractor al",)})
+    wrong = dataclasses.replace(measured, experiment=dataclasses.replace(measured.experiment, settings=settings))
+    with pytest.raises(ConfigurationError, match=r"no figure 'tractor al' of a case .*figures: tractor straight"):
+        write_results(wrong, [])
+
+
 @pytest.mark.parametrize(
     "content", [b"", b'{"title": "x"', b'{"title": "x"}', b"[]"], ids=["empty", "cut", "old", "other"]
 )

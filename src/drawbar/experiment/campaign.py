@@ -22,13 +22,13 @@ _SEEDS = count()
 """each run has one of its own: a cluster remembers what it has computed"""
 
 
-def speed_up(runs: int, turns: int = _TURNS) -> tuple[float, float]:
+def speed_up(runs: int) -> tuple[float, float]:
     """Return the times of so many runs on one and on two processes, s: medians over the turns."""
     times: dict[int, list[float]] = {1: [], 2: []}
     with open_cluster(jobs=1) as one, open_cluster(jobs=2) as two:
         for client in (one, two):
             _driven(client, 4)  # loads the solvers in every process
-        for _ in range(turns):
+        for _ in range(_TURNS):
             times[1].append(_driven(one, runs))
             times[2].append(_driven(two, runs))
     return median(times[1]), median(times[2])

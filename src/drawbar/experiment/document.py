@@ -72,7 +72,7 @@ def _summary(measured: MeasuredExperiment) -> Summary:
         missed=missed,
         lost=len(misses) - missed,
         side_by_side={
-            case: {figure: measured.statistic(case, figure).text() for figure in settings.side_by_side}
+            case: {figure: measured.named_statistic(case, figure).text() for figure in settings.side_by_side}
             for case in measured.cases
             if settings.side_by_side
         },

@@ -85,6 +85,19 @@ class MeasuredExperiment:
         """Return a figure of a case over the seeds."""
         return Statistic.of(self.values(case, figure))
 
+    def named_statistic(self, case: str, figure: str) -> Statistic:
+        """Return a figure that experiment.toml names, of a case.
+
+        Raises:
+            ConfigurationError: runs have figures, but none of this name.
+        """
+        if self.figure_names and figure not in self.figure_names:
+            raise ConfigurationError(
+                f"{self.experiment.folder.name}: no figure {figure!r} of a case {case!r}; "
+                f"figures: {', '.join(self.figure_names)}."
+            )
+        return self.statistic(case, figure)
+
     def finished(self, case: str) -> str:
         """Return how many runs of a case came to the end of the path, of how many."""
         return f"{sum(result.metrics.finished for result in self.runs[case].results)}/{len(self.figures[case])}"
@@ -131,13 +144,7 @@ class MeasuredExperiment:
         ]
 
     def _filled_in(self, place: re.Match[str]) -> str:
-        case, figure = place.groups()
-        if figure not in self.figure_names:
-            raise ConfigurationError(
-                f"{self.experiment.folder.name}: no figure {figure!r} of a case {case!r}; "
-                f"figures: {', '.join(self.figure_names)}."
-            )
-        return self.statistic(case, figure).text(2)
+        return self.named_statistic(*place.groups()).text(2)
 
     def misses(self) -> list[str]:
         """Say what is not as expected: runs without a result, expected cases not driven to the end, figures."""
