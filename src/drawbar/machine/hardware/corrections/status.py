@@ -46,7 +46,7 @@ class CorrectionsStatus:
 
 
 class CorrectionsNews:
-    """What has become otherwise with the corrections, in words for the operator, each once."""
+    """Changes of the corrections, in words for the operator, each told once."""
 
     def __init__(self) -> None:
         self._failure = ""
