@@ -48,22 +48,26 @@ def log_share(stretches: int) -> LogShare:
     """Drive a shipped configuration in so many pairs of stretches."""
     radii = [10.0] * (1 + (stretches + 1) * _STEPS // _EIGHT)
     plain, logged = (Simulation(load_configuration("articulated", [f"path.radii={radii}"])) for _ in range(2))
-    with TemporaryDirectory() as folder, ExitStack() as stack:
-        file = Path(folder) / LOG_NAME
-        recorder = stack.enter_context(Recorder(file, logged.header()))
-        drives = (stack.enter_context(plain).steps(), _ignore), (stack.enter_context(logged).steps(), recorder.write)
-        for drive in drives:  # fills windows and caches
-            _driven(*drive)
-        before, pairs = file.stat().st_size, list[tuple[float, float]]()
-        for number in range(stretches):
-            first = number % 2
-            pair = _driven(*drives[first]), _driven(*drives[1 - first])
-            pairs.append((pair[first], pair[1 - first]))
-        written = file.stat().st_size - before
+    with TemporaryDirectory() as folder:
+        file, pairs = Path(folder) / LOG_NAME, list[tuple[float, float]]()
+        with ExitStack() as stack:
+            recorder = stack.enter_context(Recorder(file, logged.header()))
+            header = file.stat().st_size
+            drives = (
+                (stack.enter_context(plain).steps(), _ignore),
+                (stack.enter_context(logged).steps(), recorder.write),
+            )
+            for drive in drives:  # fills windows and caches
+                _driven(*drive)
+            for number in range(stretches):
+                first = number % 2
+                pair = _driven(*drives[first]), _driven(*drives[1 - first])
+                pairs.append((pair[first], pair[1 - first]))
+        written = file.stat().st_size - header  # of the closed file: until then some steps wait in memory
     return LogShare(
         step=median(without for without, _ in pairs),
         log=median(with_log - without for without, with_log in pairs),
-        bytes_per_step=written / (stretches * _STEPS),
+        bytes_per_step=written / ((1 + stretches) * _STEPS),
     )
 
 
