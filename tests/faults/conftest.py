@@ -26,11 +26,11 @@ from drawbar.signal_layout import Layout
 from drawbar.signals import Command, Diagnostics, Flag, Measurement, Status, Truth
 from drawbar.simulation import Simulation
 
-SOLVE = "WATCHED(WATCHED_FEEDBACK, rti_feedback(&component->rti, lent));"
+SOLVE = "WATCHED(WATCHED_FEEDBACK, rti_feedback(&component->rti, resources));"
 SPOILT = """if (UNIT(fails))
         component->rti.status = CHECK_FAILED;
     else
-        rti_feedback(&component->rti, lent);"""
+        rti_feedback(&component->rti, resources);"""
 EIGHT = ("path.radii=[8.0]",)
 _MEASUREMENT, _COMMAND, _DIAGNOSTICS = Layout(Measurement), Layout(Command), Layout(Diagnostics)
 

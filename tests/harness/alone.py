@@ -13,10 +13,10 @@ ITERATIONS = 58
 """of interior points: what an estimator and two controllers may need together"""
 
 
-class Lent(ctypes.Structure):
-    """struct lent of solver/lent.h."""
+class SolverResources(ctypes.Structure):
+    """struct solver_resources of solver/solver_resources.h."""
 
-    _fields_ = (("memory", ctypes.c_void_p), ("iterations", ctypes.c_int32))
+    _fields_ = (("work", ctypes.c_void_p), ("iterations", ctypes.c_int32))
 
 
 class Alone:
@@ -29,11 +29,11 @@ class Alone:
         component = Component(unit, library)
         self.live: Workspace = component.live
         """the component's fields"""
-        self._library, self._borrowed = load(library), aligned(max(8, component.work_size))
-        self.work = ctypes.c_void_p(self._borrowed.ctypes.data)
-        """what the component borrows for the length of a call"""
-        self.lent = ctypes.byref(Lent(self.work, ITERATIONS))
-        """what a solver is lent"""
+        self._library, self._scratch = load(library), aligned(max(8, component.work_size))
+        self.work = ctypes.c_void_p(self._scratch.ctypes.data)
+        """its scratch memory"""
+        self.resources = ctypes.byref(SolverResources(self.work, ITERATIONS))
+        """those of its solver"""
 
     def call(self, name: str, *arguments: Any) -> int:
         """Call one of the component's functions on it; the arguments are those of ctypes."""

@@ -56,7 +56,7 @@ class SubsystemController(Controller):
         if tractor is not None:
             other = byref(CNeighbour(pointer(CBodyReference.of(tractor[0])), pointer(CBodyPlan.of(tractor[1]))))
         plan = CBodyPlan()
-        self.call("feedback", given(estimate), byref(CBodyReference.of(reference)), other, byref(plan), self.lent)
+        self.call("feedback", given(estimate), byref(CBodyReference.of(reference)), other, byref(plan), self.resources)
         return plan.read(self.stages)
 
 
@@ -102,7 +102,7 @@ class VehicleController(Controller):
         """Return both bodies' plans."""
         references = [byref(CBodyReference.of(body)) for body in (reference.tractor, reference.trailer)]
         tractor, trailer = CBodyPlan(), CBodyPlan()
-        self.call("feedback", given(estimate), *references, byref(tractor), byref(trailer), self.lent)
+        self.call("feedback", given(estimate), *references, byref(tractor), byref(trailer), self.resources)
         return Plan(time=estimate.time, tractor=tractor.read(self.stages), trailer=trailer.read(self.stages))
 
 

@@ -27,7 +27,7 @@ class Estimator(Alone):
     def update(self, measurement: Measurement) -> Estimate:
         """Return the estimate at the measurement's time."""
         estimate = room(Estimate)
-        self.call("update", given(measurement), estimate, self.lent)
+        self.call("update", given(measurement), estimate, self.resources)
         return taken(Estimate, estimate)
 
     def expected(self) -> Estimate:

@@ -22,8 +22,8 @@ import pytest
 from waiting import until
 
 from drawbar.driving.messaging.endpoint import Endpoint
-from drawbar.driving.messaging.lent_sockets import lend
-from drawbar.driving.messaging.process_options import GATE, LENT, GateOptions
+from drawbar.driving.messaging.process_options import BOARDS, GATE, GateOptions
+from drawbar.driving.messaging.socket_passing import pass_socket
 from drawbar.driving.processes.guard_main import OFF
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.message_records import decode, encode
@@ -63,7 +63,7 @@ class Machine:
 
     def __init__(self, folder, **order):
         self.folder, self.nonce, self.state = folder, 0, None
-        self.wire, self.lent = (UdpTransport(UdpAddress(host="127.0.0.1", port=0)) for _ in range(2))
+        self.wire, self.gate_wire = (UdpTransport(UdpAddress(host="127.0.0.1", port=0)) for _ in range(2))
         self.front = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
         self.front.bind(str(folder / "front"))
         self.front.setblocking(False)
@@ -139,7 +139,7 @@ class Machine:
             process.kill()
             process.wait(WAIT)
         self.wire.close()
-        self.lent.close()
+        self.gate_wire.close()
         self.front.close()
 
 
@@ -179,7 +179,7 @@ def guarded(machine):
         guards.append(subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.DEVNULL))
         guards[-1].stdin.write(options.model_dump_json().encode())
         guards[-1].stdin.close()
-        until((driving.folder / LENT).exists)
+        until((driving.folder / BOARDS).exists)
 
         def hears():
             knows.extend(decode(each, Heartbeat) for each in heard.receive())
@@ -187,7 +187,7 @@ def guarded(machine):
 
         until(hears)
         assert not knows[-1].healthy, "it has no socket yet"
-        lend(str(driving.folder / LENT), "tractor", driving.lent.fileno())
+        pass_socket(str(driving.folder / BOARDS), "tractor", driving.gate_wire.fileno())
         until(lambda: hears() and knows[-1].healthy)
         heard.close()
         return driving, guards[-1]
@@ -215,7 +215,9 @@ def guards_off(machine, start):
     while select.select([machine.wire], [], [], 2.0)[0]:
         for piece in machine.wire.read():
             if piece.data == OFF:
-                assert piece.source == f"127.0.0.1:{machine.lent.port}", "AiO_26 obeys no other port than the gate's"
+                assert piece.source == f"127.0.0.1:{machine.gate_wire.port}", (
+                    "AiO_26 obeys no other port than the gate's"
+                )
                 return piece.time - start
     raise AssertionError("the guard said nothing")
 

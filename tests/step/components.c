@@ -3,15 +3,15 @@
  *     tractor_x: progress, trailer_x: the controllers' status, tractor_y: lateral error, trailer_y: the estimator's status,
  *     hitch_angle: the fixes' status, speed: guidance's status, both steering angles: the commands
  *
- * They leave nothing as it was in what they borrow.
+ * They leave nothing as it was in the memory that they share.
  */
 #include <string.h>
 #include "components.h"
-#include "lent.h"
+#include "solver_resources.h"
 
 #define MISSING 5
 
-int32_t iterations;                        /* of interior points, that the newest step has lent its estimator */
+int32_t iterations;                        /* of interior points, that the newest step has given its estimator */
 char calls[64];                            /* first letters of the components in the order of their calls */
 
 static struct drawbar_measurement seen;
@@ -113,11 +113,11 @@ int drawbar_estimator_begin(struct component *component, const struct drawbar_me
 }
 
 int drawbar_estimator_update(struct component *component, const struct drawbar_measurement *measurement,
-                             struct drawbar_estimate *estimate, struct lent *lent)
+                             struct drawbar_estimate *estimate, struct solver_resources *resources)
 {
     (void)component;
-    memset(lent->memory, 0xFF, DRAWBAR_WORK_SIZE);
-    iterations = lent->iterations;
+    memset(resources->work, 0xFF, DRAWBAR_WORK_SIZE);
+    iterations = resources->iterations;
     called('e');
     seen = *measurement;
     memset(estimate, 0, sizeof *estimate);
@@ -224,24 +224,26 @@ static int plan(double steering, struct drawbar_body_plan *made)
 
 int drawbar_tractor_feedback(struct component *component, const struct drawbar_estimate *estimate,
                              const struct drawbar_body_reference *reference,
-                             const struct drawbar_neighbour *neighbour, struct drawbar_body_plan *made, struct lent *lent)
+                             const struct drawbar_neighbour *neighbour, struct drawbar_body_plan *made,
+                             struct solver_resources *resources)
 {
     (void)component;
     (void)estimate;
     (void)reference;
-    memset(lent->memory, 0xFF, DRAWBAR_WORK_SIZE);
+    memset(resources->work, 0xFF, DRAWBAR_WORK_SIZE);
     called(neighbour == NULL ? 't' : '?');
     return plan(seen.tractor_steering, made);
 }
 
 int drawbar_trailer_feedback(struct component *component, const struct drawbar_estimate *estimate,
                              const struct drawbar_body_reference *reference,
-                             const struct drawbar_neighbour *neighbour, struct drawbar_body_plan *made, struct lent *lent)
+                             const struct drawbar_neighbour *neighbour, struct drawbar_body_plan *made,
+                             struct solver_resources *resources)
 {
     (void)component;
     (void)estimate;
     (void)reference;
-    memset(lent->memory, 0xFF, DRAWBAR_WORK_SIZE);
+    memset(resources->work, 0xFF, DRAWBAR_WORK_SIZE);
     called(neighbour != NULL && neighbour->plan != NULL ? 'r' : '?');
     return plan(seen.trailer_steering, made);
 }

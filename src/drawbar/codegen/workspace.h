@@ -1,5 +1,5 @@
-/* Workspace of a unit that stands alone: the component, and behind it what it borrows for the length of a call (WORK,
- * where it needs any). In an exported library all components borrow the same.
+/* Workspace of a unit that stands alone: the component, and behind it its scratch memory (WORK, where it needs any). In an
+ * exported library all components share that.
  */
 #ifndef DRAWBAR_WORKSPACE_H
 #define DRAWBAR_WORKSPACE_H

@@ -34,13 +34,13 @@ static void repeat_plan(struct centralised *both)
 int UNIT(feedback)(struct component *component, const struct drawbar_estimate *estimate,
                    const struct drawbar_body_reference *tractor_reference,
                    const struct drawbar_body_reference *trailer_reference, struct drawbar_body_plan *tractor,
-                   struct drawbar_body_plan *trailer, struct lent *lent)
+                   struct drawbar_body_plan *trailer, struct solver_resources *resources)
 {
     struct centralised *both = &component->centralised;
     double commands[2];
 
     take_in(component, estimate, tractor_reference, trailer_reference);
-    WATCHED(WATCHED_FEEDBACK, rti_feedback(&component->rti, lent));
+    WATCHED(WATCHED_FEEDBACK, rti_feedback(&component->rti, resources));
     const int status = iteration_leave(&both->iteration, &component->rti);
     both->predicts = status == SOLVED;
     both->solved |= both->predicts;

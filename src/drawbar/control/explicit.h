@@ -12,7 +12,7 @@
 #include <string.h>
 
 #include "chain.h"
-#include "lent.h"
+#include "solver_resources.h"
 #include "no_plan.h"
 #include "proportional_integral.h"
 #include "status.h"
@@ -67,14 +67,14 @@ static struct drawbar_body_plan held(double command, double steering, double *st
 int UNIT(feedback)(struct component *component, const struct drawbar_estimate *estimate,
                    const struct drawbar_body_reference *tractor_reference,
                    const struct drawbar_body_reference *trailer_reference, struct drawbar_body_plan *tractor,
-                   struct drawbar_body_plan *trailer, struct lent *lent)
+                   struct drawbar_body_plan *trailer, struct solver_resources *resources)
 {
     const double wanted = law_steering(&component->law, &component->chain, estimate, tractor_reference);
     const double front = clipped(wanted, component->limit);
     const double error = tangent_distance(&estimate->trailer, trailer_reference);
     const double joint = proportional_integral(&component->trailer, error);
 
-    (void)lent;
+    (void)resources;
     roll_out(component, estimate, front);
     for (int k = 0; k <= N; ++k)
         memcpy(component->trailer_poses[k], trailer_reference->samples[k], sizeof component->trailer_poses[k]);

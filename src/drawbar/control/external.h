@@ -7,7 +7,7 @@
 #define DRAWBAR_EXTERNAL_H
 
 #include <string.h>
-#include "lent.h"
+#include "solver_resources.h"
 #include "no_plan.h"
 #include "signals.h"
 #include "status.h"
@@ -43,11 +43,11 @@ static void hold(struct component *component, int body, const struct drawbar_bod
 int UNIT(feedback)(struct component *component, const struct drawbar_estimate *estimate,
                    const struct drawbar_body_reference *tractor_reference,
                    const struct drawbar_body_reference *trailer_reference, struct drawbar_body_plan *tractor,
-                   struct drawbar_body_plan *trailer, struct lent *lent)
+                   struct drawbar_body_plan *trailer, struct solver_resources *resources)
 {
     double angles[EXTERNAL_BODIES] = {(double)NAN, (double)NAN};
 
-    (void)lent;
+    (void)resources;
     component->call(estimate, tractor_reference, trailer_reference, angles);
     hold(component, EXTERNAL_TRACTOR, tractor_reference, angles[0], angles[0], tractor);
     hold(component, EXTERNAL_TRAILER, trailer_reference, angles[1], component->joint_sign * angles[1], trailer);

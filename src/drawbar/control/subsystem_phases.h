@@ -77,14 +77,14 @@ static void make_plan(struct component *component, struct drawbar_body_plan *pla
  * that is the last solved plan, if there has been one, and the deviation is zero. */
 int UNIT(feedback)(struct component *component, const struct drawbar_estimate *estimate,
                    const struct drawbar_body_reference *reference, const struct drawbar_neighbour *neighbour,
-                   struct drawbar_body_plan *plan, struct lent *lent)
+                   struct drawbar_body_plan *plan, struct solver_resources *resources)
 {
     struct subsystem *body = &component->subsystem;
     struct rti *solver = &component->rti;
     double *first = STATE(solver->z, 0);
 
     take_in(component, estimate, reference, neighbour);
-    WATCHED(WATCHED_FEEDBACK, rti_feedback(solver, lent));
+    WATCHED(WATCHED_FEEDBACK, rti_feedback(solver, resources));
     plan->status = iteration_leave(&body->iteration, solver);
     body->predicts = plan->status == SOLVED;
     body->solved |= body->predicts;

@@ -6,7 +6,7 @@
 #ifndef DRAWBAR_EXTENDED_KALMAN_H
 #define DRAWBAR_EXTENDED_KALMAN_H
 
-#include "lent.h"
+#include "solver_resources.h"
 #include "screening.h"
 #include "square_root_filter.h"
 #include "unit.h"
@@ -76,12 +76,12 @@ int UNIT(expected)(struct component *component, struct drawbar_estimate *estimat
  * When the result is not finite the estimate is the prediction, and its status says so; a failure of the prediction
  * before it shows here too. A missing input keeps its last measured value. */
 int UNIT(update)(struct component *component, const struct drawbar_measurement *measurement, struct drawbar_estimate *estimate,
-                 struct lent *lent)
+                 struct solver_resources *resources)
 {
     struct screened screened;
     double y[NY], shift[NX];
 
-    (void)lent;
+    (void)resources;
     screen(component, measurement, &screened);
     model_outputs(&component->model, &screened.measurement, y);
     weigh(component, &screened.measurement);

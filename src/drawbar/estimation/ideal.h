@@ -3,7 +3,7 @@
 #ifndef DRAWBAR_IDEAL_H
 #define DRAWBAR_IDEAL_H
 
-#include "lent.h"
+#include "solver_resources.h"
 #include "signals.h"
 #include "status.h"
 #include "unit.h"
@@ -28,9 +28,9 @@ int UNIT(expected)(struct component *component, struct drawbar_estimate *estimat
 }
 
 int UNIT(update)(struct component *component, const struct drawbar_measurement *measurement,
-                 struct drawbar_estimate *estimate, struct lent *lent)
+                 struct drawbar_estimate *estimate, struct solver_resources *resources)
 {
-    (void)lent;
+    (void)resources;
     *estimate = component->given;
     estimate->time = measurement->time;
     return SOLVED;

@@ -112,10 +112,10 @@ int UNIT(expected)(struct component *component, struct drawbar_estimate *estimat
 /* The estimate at the measurement's time, which is the window's newest stage. When the solver failed it is the
  * prediction, and its status says so; a failure of the preparation before it shows here too. */
 int UNIT(update)(struct component *component, const struct drawbar_measurement *measurement,
-                 struct drawbar_estimate *estimate, struct lent *lent)
+                 struct drawbar_estimate *estimate, struct solver_resources *resources)
 {
     take_in(component, measurement);
-    WATCHED(WATCHED_FEEDBACK, rti_feedback(&component->rti, lent));
+    WATCHED(WATCHED_FEEDBACK, rti_feedback(&component->rti, resources));
     const int32_t status = component->rti.status != SOLVED ? component->rti.status : component->prepared;
     model_estimate(&component->model, newest_state(component), &component->screened.measurement, status, estimate);
     screened_mark(&component->screened, estimate);

@@ -15,7 +15,7 @@ class Memory:
     components: Mapping[str, int]
     """bytes of each, by name"""
     work: int
-    """bytes of what all components borrow in turn"""
+    """bytes of the scratch memory that all components use in turn"""
 
     @classmethod
     def of(cls, components: Sequence[Component]) -> Self:

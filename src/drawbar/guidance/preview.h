@@ -30,7 +30,7 @@ struct component {
                                               length 0: to be laid with the next references */
 };
 
-#define WORK struct onto_line              /* what the search for turns borrows, see workspace.h */
+#define WORK struct onto_line              /* scratch memory of the search for turns, see workspace.h */
 #define COMPONENT_FIELDS                                                                                          \
     GUIDANCE_FIELDS(component, guidance.) SETTING(component, limits.curvature, 0, 1, 0, 0)                             \
     SETTING(component, limits.rate, 0, 1, 0, 0) SETTING(component, interval, 0, 1, 0, 0)                               \

@@ -48,17 +48,17 @@ int lay_down(struct rti *work) { rti_constants(work); return SOLVED; }
 int prepare(struct rti *work) { return rti_prepare(work); }
 int feedback(struct workspace *s)
 {
-    struct lent lent = {&s->work, IP_ITERATIONS};
-    return rti_feedback(&s->component.rti, &lent);
+    struct solver_resources resources = {&s->work, IP_ITERATIONS};
+    return rti_feedback(&s->component.rti, &resources);
 }
 int shift(struct rti *work) { rti_shift(work); return SOLVED; }
 int slope(struct rti *work) { rti_gradient(work); return SOLVED; }
 int linearise(struct rti *work) { dynamics(work, 0, N); return SOLVED; }
 int optimise(struct workspace *s)
 {
-    struct lent lent = {&s->work, IP_ITERATIONS};
+    struct solver_resources resources = {&s->work, IP_ITERATIONS};
     s->component.rti.qp.factored = 0;
-    return qp_optimise(&s->component.rti.qp, &lent);
+    return qp_optimise(&s->component.rti.qp, &resources);
 }
 """
 WINDOW_PHASES = """

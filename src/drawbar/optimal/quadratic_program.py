@@ -24,9 +24,9 @@ int64_t drawbar_size = sizeof(struct workspace);
 const struct drawbar_field drawbar_fields[] = {{QP_FIELDS(qp, ) END_OF_FIELDS}};
 int solve(struct workspace *s)
 {{
-    struct lent lent = {{&s->work, IP_ITERATIONS}};
+    struct solver_resources resources = {{&s->work, IP_ITERATIONS}};
     s->qp.factored = 0;
-    return s->qp.status = qp_optimise(&s->qp, &lent);
+    return s->qp.status = qp_optimise(&s->qp, &resources);
 }}
 """
 

@@ -1,5 +1,5 @@
-/* Bounds work: memory of the three methods for bounds, which never work at the same time. It is lent to them for the
- * length of one feedback: it is too large for a microcontroller's stack, and all solvers of an autopilot can share it. */
+/* Bounds work: memory of the three methods for bounds, which never work at the same time. They have it for the length
+ * of one feedback: it is too large for a microcontroller's stack, and all solvers of an autopilot share it. */
 #ifndef DRAWBAR_BOUNDS_WORK_H
 #define DRAWBAR_BOUNDS_WORK_H
 

@@ -10,7 +10,7 @@
 #include "noinline.h"
 #include "held_again.h"
 #include "interior_point.h"
-#include "lent.h"
+#include "solver_resources.h"
 
 /* Does s->z respect every bound, soft ones too? */
 static int bounds_respected(const struct qp *s)
@@ -98,9 +98,9 @@ static int qp_solve_free(struct qp *s, struct active_set *active)
 
 /* One sweep (factored beforehand if s->factored) when no bound is active, an active set where that settles, the interior
  * point otherwise; the answer is judged by kkt_check. */
-static int qp_optimise(struct qp *s, struct lent *lent)
+static int qp_optimise(struct qp *s, struct solver_resources *resources)
 {
-    union bounds_work *work = lent->memory;
+    union bounds_work *work = resources->work;
     double gradient[NZ], defect[N][NX];
     int invalid = !bounds_exist(s);
 
@@ -118,18 +118,18 @@ static int qp_optimise(struct qp *s, struct lent *lent)
     memset(s->kept, 0, sizeof s->kept);
     s->iterations = 0;
     if (!s->factored && !qp_factor(s, NULL, N + 1))
-        return qp_damped(s, &work->ip, &lent->iterations, NOT_FINITE);
+        return qp_damped(s, &work->ip, &resources->iterations, NOT_FINITE);
     s->factored = FACTORED;
     if (qp_solve_free(s, &work->active)) {
         const int status = kkt_check(s, s->iterations > 0, gradient, defect);
         if (status == SOLVED || s->iterations == 0)
-            return status == SOLVED ? SOLVED : qp_damped(s, &work->ip, &lent->iterations, status);
+            return status == SOLVED ? SOLVED : qp_damped(s, &work->ip, &resources->iterations, status);
         qp_afresh(s);
     } else if (!bounds_at_first(s) && qp_active(s, work))
         return SOLVED;
     s->factored = 0;                       /* the barrier changes it */
     work->ip.damping.share = 0.0;
-    return qp_interior_point(s, &work->ip, &lent->iterations);
+    return qp_interior_point(s, &work->ip, &resources->iterations);
 }
 
 #endif

@@ -36,7 +36,7 @@ struct rti {
 #define INTERVALS 1                        /* shooting intervals in a sample; the inputs of its first are applied */
 #endif
 #define SMALL_STEP 1e-3                    /* of the largest in the trajectory */
-#define WORK union bounds_work             /* what a feedback borrows, see workspace.h */
+#define WORK union bounds_work             /* scratch memory of a feedback, see workspace.h */
 
 #if LEAVING                                /* where the linearisation of stage k has its place */
 #define PLACE(work, k) ((k) < (work)->linearised ? N : (k) - (work)->linearised)
@@ -204,7 +204,7 @@ static void rti_least_step(struct rti *s)
 
 /* The feedback phase: the newest state, references and measurements enter; the trajectory moves by a full step, or
  * stays as it is when the step does not pass the check. */
-static int rti_feedback(struct rti *s, struct lent *lent)
+static int rti_feedback(struct rti *s, struct solver_resources *resources)
 {
     const int changed = rti_note_missing(s);
 
@@ -220,7 +220,7 @@ static int rti_feedback(struct rti *s, struct lent *lent)
         s->qp.lower[i] = s->lower[i] - s->z[s->qp.bound[i]];
         s->qp.upper[i] = s->upper[i] - s->z[s->qp.bound[i]];
     }
-    s->qp.status = qp_optimise(&s->qp, lent);
+    s->qp.status = qp_optimise(&s->qp, resources);
     for (int i = 0; i < NZ && s->qp.status == SOLVED; ++i)
         s->z[i] += s->qp.z[i];
     return s->status = s->qp.status;

@@ -1,11 +1,11 @@
 /* The components of an autopilot, each a translation unit of its own, and all that one autopilot remembers.
  *
- * A component's memory is given to it; its content is its own business. `work`, or for those with a solver `lent`, is lent
- * to it for the length of the call, and to all others after it.
+ * A component's memory is given to it; its content is its own business. `work`, or for those with a solver `resources`,
+ * is its own for the length of the call; then others use the same memory.
  *
  * drawbar_components.h is generated. It defines which components there are (DRAWBAR_CENTRALISED, DRAWBAR_IDENTIFIED,
- * DRAWBAR_DEAD_TIME) and, in an exported library, the bytes that each needs (DRAWBAR_<COMPONENT>_SIZE), the bytes lent to
- * all (DRAWBAR_WORK_SIZE) and the numbers of struct step_settings (DRAWBAR_STEP_SETTINGS). In Python's own library
+ * DRAWBAR_DEAD_TIME) and, in an exported library, the bytes that each needs (DRAWBAR_<COMPONENT>_SIZE), the bytes of `work`
+ * (DRAWBAR_WORK_SIZE) and the numbers of struct step_settings (DRAWBAR_STEP_SETTINGS). In Python's own library
  * (DRAWBAR_HOSTED) memory and numbers are the caller's; see hosted_step.h.
  */
 #ifndef DRAWBAR_STEP_COMPONENTS_H
@@ -13,7 +13,7 @@
 
 #include "drawbar.h"
 #include "drawbar_components.h"
-#include "lent.h"
+#include "solver_resources.h"
 #include "neighbour.h"
 #include "path.h"
 #include "signals.h"
@@ -42,7 +42,7 @@ int drawbar_estimator_initialise(struct component *component);
 int drawbar_estimator_begin(struct component *component, const struct drawbar_measurement *first);
 int drawbar_estimator_expected(struct component *component, struct drawbar_estimate *estimate);
 int drawbar_estimator_update(struct component *component, const struct drawbar_measurement *measurement,
-                             struct drawbar_estimate *estimate, struct lent *lent);
+                             struct drawbar_estimate *estimate, struct solver_resources *resources);
 int drawbar_estimator_ready(struct component *component, const struct drawbar_command *acting);
 int drawbar_estimator_skip(struct component *component, const struct drawbar_command *acting);
 
@@ -82,19 +82,20 @@ int drawbar_controller_initialise(struct component *component);
 int drawbar_controller_feedback(struct component *component, const struct drawbar_estimate *estimate,
                                 const struct drawbar_body_reference *tractor_reference,
                                 const struct drawbar_body_reference *trailer_reference,
-                                struct drawbar_body_plan *tractor, struct drawbar_body_plan *trailer, struct lent *lent);
+                                struct drawbar_body_plan *tractor, struct drawbar_body_plan *trailer,
+                                struct solver_resources *resources);
 int drawbar_controller_ready(struct component *component);
 int drawbar_controller_skip(struct component *component, int samples);
 int drawbar_tractor_initialise(struct component *component);
 int drawbar_tractor_feedback(struct component *component, const struct drawbar_estimate *estimate,
                              const struct drawbar_body_reference *reference, const struct drawbar_neighbour *neighbour,
-                             struct drawbar_body_plan *plan, struct lent *lent);
+                             struct drawbar_body_plan *plan, struct solver_resources *resources);
 int drawbar_tractor_ready(struct component *component);
 int drawbar_tractor_skip(struct component *component, int samples);
 int drawbar_trailer_initialise(struct component *component);
 int drawbar_trailer_feedback(struct component *component, const struct drawbar_estimate *estimate,
                              const struct drawbar_body_reference *reference, const struct drawbar_neighbour *neighbour,
-                             struct drawbar_body_plan *plan, struct lent *lent);
+                             struct drawbar_body_plan *plan, struct solver_resources *resources);
 int drawbar_trailer_ready(struct component *component);
 int drawbar_trailer_skip(struct component *component, int samples);
 

@@ -161,7 +161,7 @@ static int follow_driver(struct autopilot *a, struct drawbar_command *command)
 /* Update the estimate by a measurement, which is aligned for that, after so many samples that were left out. Returns the status
  * that ends the run, or 0. */
 static int update_estimate(struct autopilot *a, int left_out, const struct drawbar_measurement *measurement,
-                           struct lent *lent, struct drawbar_measurement *aligned)
+                           struct solver_resources *resources, struct drawbar_measurement *aligned)
 {
     struct drawbar_estimate *now = &a->made.estimate, expected;
 
@@ -175,7 +175,7 @@ static int update_estimate(struct autopilot *a, int left_out, const struct drawb
         return ended;
     drawbar_alignment_report(COMPONENT(a->alignment), &a->known);
     correct_body_lag(a, aligned);
-    TIMED(a, TIMED_ESTIMATOR, FEEDBACK, drawbar_estimator_update(COMPONENT(a->estimator), aligned, now, lent));
+    TIMED(a, TIMED_ESTIMATOR, FEEDBACK, drawbar_estimator_update(COMPONENT(a->estimator), aligned, now, resources));
     a->diagnostics.estimator = now->status;
     return 0;
 }
@@ -206,13 +206,13 @@ static int watch_run(struct autopilot *a, const struct drawbar_measurement *meas
 static int drive(struct autopilot *a, int left_out, const struct drawbar_measurement *measurement,
                  struct drawbar_command *command)
 {
-    struct lent lent = {a->work, (int32_t)a->settings.iterations - left_out};
+    struct solver_resources resources = {a->work, (int32_t)a->settings.iterations - left_out};
     struct decisions *made = &a->made;
     struct drawbar_diagnostics *d = &a->diagnostics;
     struct drawbar_measurement aligned;
     struct drawbar_estimate ahead;
 
-    int ended = update_estimate(a, left_out, measurement, &lent, &aligned);
+    int ended = update_estimate(a, left_out, measurement, &resources, &aligned);
     if (ended)
         return end_run(a, ended, command);
     a->reached = WITH_ESTIMATE;
@@ -225,7 +225,7 @@ static int drive(struct autopilot *a, int left_out, const struct drawbar_measure
     ended = watch_run(a, measurement, &aligned);
     if (ended)
         return end_run(a, ended, command);
-    plan(a, &ahead, &lent);
+    plan(a, &ahead, &resources);
     a->reached = WITH_PLANS;
     ended = pace_step(a, solved(a));
     if (ended)

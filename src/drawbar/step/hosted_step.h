@@ -151,7 +151,7 @@ DRAWBAR_API int32_t drawbar_record_size(void)
 
 /* Give a state its memory and its numbers; then drawbar_init may be called.
  *
- * memory: of the components and of what they borrow, in the order of struct autopilot. Each component has two structures
+ * memory: of the components and their scratch memory, in the order of struct autopilot. Each component has two structures
  * in its memory: the one at work, and behind it one with its settings, as which every run begins. */
 DRAWBAR_API int drawbar_host(struct drawbar_state *state, double *const *memory, const struct step_settings *settings)
 {

@@ -92,7 +92,7 @@ static void note_sent(struct autopilot *a, const struct drawbar_command *command
 }
 
 /* Both bodies' nominal plans. */
-static void plan(struct autopilot *a, const struct drawbar_estimate *ahead, struct lent *lent)
+static void plan(struct autopilot *a, const struct drawbar_estimate *ahead, struct solver_resources *resources)
 {
     const struct drawbar_body_reference *references = a->made.references;
     struct drawbar_body_plan *plans = a->made.plans;
@@ -100,14 +100,14 @@ static void plan(struct autopilot *a, const struct drawbar_estimate *ahead, stru
 #ifdef DRAWBAR_CENTRALISED
     TIMED(a, TIMED_TRACTOR, FEEDBACK, drawbar_controller_feedback(
         COMPONENT(a->controller), ahead, &references[TRACTOR_BODY], &references[TRAILER_BODY], &plans[TRACTOR_BODY],
-        &plans[TRAILER_BODY], lent));
+        &plans[TRAILER_BODY], resources));
 #else
     const struct drawbar_neighbour tractor = {&references[TRACTOR_BODY], &plans[TRACTOR_BODY]};
 
     TIMED(a, TIMED_TRACTOR, FEEDBACK, drawbar_tractor_feedback(
-        COMPONENT(a->tractor), ahead, &references[TRACTOR_BODY], NULL, &plans[TRACTOR_BODY], lent));
+        COMPONENT(a->tractor), ahead, &references[TRACTOR_BODY], NULL, &plans[TRACTOR_BODY], resources));
     TIMED(a, TIMED_TRAILER, FEEDBACK, drawbar_trailer_feedback(
-        COMPONENT(a->trailer), ahead, &references[TRAILER_BODY], &tractor, &plans[TRAILER_BODY], lent));
+        COMPONENT(a->trailer), ahead, &references[TRAILER_BODY], &tractor, &plans[TRAILER_BODY], resources));
 #endif
 }
 

@@ -17,9 +17,9 @@ struct solver_faults {
 
 static struct solver_faults solver_faults;
 
-typedef int update(struct component *, const struct drawbar_measurement *, struct drawbar_estimate *, struct lent *);
+typedef int update(struct component *, const struct drawbar_measurement *, struct drawbar_estimate *, struct solver_resources *);
 typedef int feedback(struct component *, const struct drawbar_estimate *, const struct drawbar_body_reference *,
-                     const struct drawbar_neighbour *, struct drawbar_body_plan *, struct lent *);
+                     const struct drawbar_neighbour *, struct drawbar_body_plan *, struct solver_resources *);
 
 update __real_drawbar_estimator_update, __wrap_drawbar_estimator_update;
 feedback __real_drawbar_tractor_feedback, __wrap_drawbar_tractor_feedback;
@@ -40,27 +40,29 @@ static int spoil(struct drawbar_body_plan *plan)
 }
 
 int __wrap_drawbar_estimator_update(struct component *component, const struct drawbar_measurement *measurement,
-                                    struct drawbar_estimate *estimate, struct lent *lent)
+                                    struct drawbar_estimate *estimate, struct solver_resources *resources)
 {
-    const int status = __real_drawbar_estimator_update(component, measurement, estimate, lent);
+    const int status = __real_drawbar_estimator_update(component, measurement, estimate, resources);
 
     return fails(ESTIMATOR_FAILS) ? (estimate->status = solver_faults.status) : status;
 }
 
 int __wrap_drawbar_tractor_feedback(struct component *component, const struct drawbar_estimate *estimate,
                                     const struct drawbar_body_reference *reference,
-                                    const struct drawbar_neighbour *neighbour, struct drawbar_body_plan *plan, struct lent *lent)
+                                    const struct drawbar_neighbour *neighbour, struct drawbar_body_plan *plan,
+                                    struct solver_resources *resources)
 {
-    const int status = __real_drawbar_tractor_feedback(component, estimate, reference, neighbour, plan, lent);
+    const int status = __real_drawbar_tractor_feedback(component, estimate, reference, neighbour, plan, resources);
 
     return fails(TRACTOR_FAILS) ? spoil(plan) : status;
 }
 
 int __wrap_drawbar_trailer_feedback(struct component *component, const struct drawbar_estimate *estimate,
                                     const struct drawbar_body_reference *reference,
-                                    const struct drawbar_neighbour *neighbour, struct drawbar_body_plan *plan, struct lent *lent)
+                                    const struct drawbar_neighbour *neighbour, struct drawbar_body_plan *plan,
+                                    struct solver_resources *resources)
 {
-    const int status = __real_drawbar_trailer_feedback(component, estimate, reference, neighbour, plan, lent);
+    const int status = __real_drawbar_trailer_feedback(component, estimate, reference, neighbour, plan, resources);
 
     return fails(TRAILER_FAILS) ? spoil(plan) : status;
 }

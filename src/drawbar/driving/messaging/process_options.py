@@ -46,10 +46,10 @@ class ProcessOptions(PacedOptions):
 
 
 GATE, CONTROLLER, RECORDER, FRONT_END, DRIVER = "gate", "controller", "recorder", "front", "driver"
-CONSOLE, GUARD, RECEIVERS, SENTENCES, LENT = "console", "guard", "receivers", "sentences", "lent"
-"""names of the sockets; the driver's is that of this drive's own stand-in, the last two those of receivers on boards
-and of the guard, to which the gate lends the boards' sockets"""
-SOCKETS = (GATE, CONTROLLER, RECORDER, FRONT_END, DRIVER, CONSOLE, GUARD, RECEIVERS, SENTENCES, LENT)
+CONSOLE, GUARD, RECEIVERS, SENTENCES, BOARDS = "console", "guard", "receivers", "sentences", "boards"
+"""names of the sockets; DRIVER: of this drive's own stand-in; SENTENCES: of receivers on boards; BOARDS: at which the
+guard receives the boards' sockets from the gate"""
+SOCKETS = (GATE, CONTROLLER, RECORDER, FRONT_END, DRIVER, CONSOLE, GUARD, RECEIVERS, SENTENCES, BOARDS)
 OPTIONS_NAME = "options.json"
 """in the folder of the sockets: what a console that is started later needs to know"""
 

@@ -8,8 +8,8 @@ import sys
 from pathlib import Path
 
 from drawbar.driving.devices.actuators import board_sockets, gate_wires
-from drawbar.driving.messaging.lent_sockets import lend
-from drawbar.driving.messaging.process_options import DRIVER, GATE, GUARD, LENT, RECORDER, GateOptions
+from drawbar.driving.messaging.process_options import BOARDS, DRIVER, GATE, GUARD, RECORDER, GateOptions
+from drawbar.driving.messaging.socket_passing import pass_socket
 from drawbar.driving.processes.shutdown import run_program
 from drawbar.safety.channels import ControllerChannel, OperatorChannel, open_operator_socket
 from drawbar.safety.envelope import Bounds
@@ -25,7 +25,7 @@ def main() -> int:
     operators = OperatorChannel(open_operator_socket(str(folder / GATE)), listeners)
     wires = gate_wires(options)
     for body, descriptor in board_sockets(wires, options):
-        lend(str(folder / LENT), body, descriptor)
+        pass_socket(str(folder / BOARDS), body, descriptor)
     gate = Gate(
         options.safety,
         Bounds(wheelbase=options.wheelbase, tractor_limit=options.tractor_limit, trailer_limit=options.trailer_limit),

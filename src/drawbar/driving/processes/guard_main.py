@@ -2,7 +2,7 @@
 
 `python -m drawbar.driving.processes.guard_main`, with the gate's options on standard input. The gate sends its state at
 each tick; when it steers and sends nothing for as long as it may be late, off frames go to the boards until it sends
-again, for `timing.off` seconds at most: from the gate's own sockets, which it lends, since AiO_26 obeys no other port.
+again, for `timing.off` seconds at most: from the gate's own sockets, passed to it, since AiO_26 obeys no other port.
 An ISOBUS valve watches itself, within 200 ms. The guard runs beside the gate, not within, and tells it that it is there
 and has the sockets: else the gate does not engage.
 """
@@ -14,8 +14,8 @@ from pathlib import Path
 
 from drawbar.driving.messaging.endpoint import Endpoint
 from drawbar.driving.messaging.heartbeat import HeartbeatSender
-from drawbar.driving.messaging.lent_sockets import Borrower
-from drawbar.driving.messaging.process_options import GATE, GUARD, LENT, GateOptions
+from drawbar.driving.messaging.process_options import BOARDS, GATE, GUARD, GateOptions
+from drawbar.driving.messaging.socket_passing import SocketReceiver
 from drawbar.driving.processes.shutdown import ShutdownRequest, run_program
 from drawbar.message_records import decode
 from drawbar.messages import GateState, Role
@@ -65,14 +65,14 @@ def main() -> int:
     options = GateOptions.model_validate_json(sys.stdin.read())
     guard, shutdown, clock = Guard(options.safety.timing), ShutdownRequest(), options.clock
     folder, wires = Path(options.folder), dict[str, socket.socket]()
-    borrower, endpoint = Borrower(str(folder / LENT)), Endpoint(str(folder / GUARD))
+    receiver, endpoint = SocketReceiver(str(folder / BOARDS)), Endpoint(str(folder / GUARD))
     heartbeat = HeartbeatSender(Role.GUARD, endpoint, str(folder / GATE))
     for word in prepare(options.safety.timing.priority):
         say(f"guard: {word}")
     while not (shutdown.asked and guard.rests(clock())):
-        clock.wait([endpoint.fileno(), borrower.fileno()], min(guard.due - clock(), _LOOK))
+        clock.wait([endpoint.fileno(), receiver.fileno()], min(guard.due - clock(), _LOOK))
         now = clock()
-        wires |= borrower.take()
+        wires |= receiver.take()
         heartbeat.pass_time(clock.nanoseconds(), healthy=wires.keys() == options.boards.keys())
         for record in endpoint.receive():
             state = decode(record, GateState)
@@ -83,7 +83,7 @@ def main() -> int:
             for body, wire in wires.items():
                 _send(wire, options.boards[body].destination)
     endpoint.close()
-    borrower.close()
+    receiver.close()
     for wire in wires.values():
         wire.close()
     return 0
