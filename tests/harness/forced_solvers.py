@@ -27,31 +27,35 @@ FORCED = (
 )
 """header, what it says, what it says instead: a trap where the path would be cut short"""
 ROUTES = {
-    "held": (
+    "projected Newton": (
         ("optimise.h", "violated = 0;", "violated = 1;"),
-        ("held_sweep.h", "a <= NU && again", "a <= NU"),
-        ("held_set.h", "held_stays(s, h, k, a, x, u[a]) ? 0 :", "held_stays(s, h, k, a, x, u[a]) > 1 ? 0 :"),
+        ("pn_backward.h", "a <= NU && again", "a <= NU"),
         (
-            "held_sweep.h",
-            "if (!held_gains(s, k, at, limit, &H, asked))\n            return 0;",
-            "held_gains(s, k, at, limit, &H, asked);",
+            "projected_newton.h",
+            "pn_respects(s, pn, k, a, x, u[a]) ? 0 :",
+            "pn_respects(s, pn, k, a, x, u[a]) > 1 ? 0 :",
         ),
-        ("held_set.h", "if (changes == 0 && held_settled(s, h))", "if (held_settled(s, h) > 1)"),
         (
-            "held_set.h",
+            "pn_backward.h",
+            "if (!pn_gains(s, k, at, limit, &H, offset))\n            return 0;",
+            "pn_gains(s, k, at, limit, &H, offset);",
+        ),
+        ("projected_newton.h", "if (changes == 0 && pn_accept(s, pn))", "if (pn_accept(s, pn) > 1)"),
+        (
+            "projected_newton.h",
             ": -1;\n        if",
             ": -1;\n        if (changes < 0)\n            __builtin_trap();\n        if",
         ),
-        ("held_again.h", "h->last = -1;", "h->last = N - 1;"),
-        ("held_again.h", "if (kept && changes == 0 && held_settled(s, h))", "if (0)"),
-        ("optimise.h", "if (outcome != HELD_SETTLED)", "if (0)"),
+        ("pn_warm_start.h", "pn->last = -1;", "pn->last = N - 1;"),
+        ("pn_warm_start.h", "if (kept && changes == 0 && pn_accept(s, pn))", "if (0)"),
+        ("optimise.h", "if (outcome != PN_CONVERGED)", "if (0)"),
     ),
     "columns": (
         ("optimise.h", "violated = 0;", "violated = 1;"),
         (
             "optimise.h",
-            "held = qp_judged(s, &work->held);",
-            "held = (qp_judged(s, &work->held), HELD_FOREIGN);",
+            "outcome = qp_checked(s, &work->newton);",
+            "outcome = (qp_checked(s, &work->newton), PN_COUPLED);",
         ),
         ("active_set.h", "if (changes == 0)", "if (s->iterations == ACTIVE_PASSES - 1)"),
         ("active_set.h", "value < s->lower[i] ? -1 : value > s->upper[i] ? 1 : 0;", "i < ACTIVE_MOST;"),

@@ -41,8 +41,8 @@ _BOUNDS = {
     "inputs": "NU",
     "bounded_variables": "NB",
     "interior_point_iterations": "IP_ITERATIONS",
-    "kept_passes": "KEPT_PASSES",
-    "held_set_passes": "HELD_PASSES",
+    "warm_start_passes": "PN_WARM_PASSES",
+    "projected_newton_passes": "PN_PASSES",
     "active_set_passes": "ACTIVE_PASSES",
     "active_set_columns": "ACTIVE_COLUMNS",
 }
@@ -119,22 +119,23 @@ def _calls(build: Built) -> Mapping[str, Any]:
 def _bounds(unit: SolverUnit) -> Mapping[str, int]:
     """Return a solver's bounds, and with them how often one feedback factorises and sweeps at most.
 
-    A sweep for the bounds that were held before, by the factorisation of the preparation, and both for each further
-    pass with them. One factorisation and one sweep without bounds. Then one of three: a sweep for the held set to
-    begin with, both for each of its passes and to take it back; a sweep for each column of the active set, two to
-    publish its answer and two to take both sets back; two factorisations and a sweep, to damp a cost that leaves
-    something undetermined. Then the interior point: a factorisation and a sweep for its start, and its iterations.
+    A sweep for the bounds that were active before, by the factorisation of the preparation, and both for each further
+    pass with them. One factorisation and one sweep without bounds. Then one of three: a sweep for projected
+    Newton to begin with, both for each of its passes and to take it back; a sweep for each column of the
+    active set, two to publish its answer and two to take both back; two factorisations and a sweep, to damp a
+    cost that leaves something undetermined. Then the interior point: a factorisation and a sweep for its start,
+    and its iterations.
     """
     sources = [unit.source, *runtime_sources().values()]
     bounds = {name: _defined(macro, sources) for name, macro in _BOUNDS.items()}
     columns = _defined(_COLUMNS, sources) * bounds["active_set_columns"]
     bounds["active_set_columns"] = min(columns, bounds["bounded_variables"])
     iterations = bounds["interior_point_iterations"]
-    held = bounds["held_set_passes"] + 1
-    kept = bounds["kept_passes"]
-    sweeps = kept + 1 + max(1 + held, bounds["active_set_columns"] + 4) + 1
+    newton = bounds["projected_newton_passes"] + 1
+    warm = bounds["warm_start_passes"]
+    sweeps = warm + 1 + max(1 + newton, bounds["active_set_columns"] + 4) + 1
     sweeps += _SWEEPS_OF_ITERATION * iterations + min(_defined(_CENTRED, sources), iterations)
-    return bounds | {"factorisations": kept + max(held, 2) + 1 + iterations, "sweeps": sweeps}
+    return bounds | {"factorisations": warm + max(newton, 2) + 1 + iterations, "sweeps": sweeps}
 
 
 def _defined(macro: str, sources: Iterable[str]) -> int:

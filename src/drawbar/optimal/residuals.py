@@ -72,15 +72,15 @@ def residuals(array: Callable[[str], Floats], free_initial: bool) -> Residuals:
     soft = np.isfinite(array("qp.soft_linear"))
     outside = np.maximum(-distance, 0.0)
     slack = np.where(soft[:, None], outside, 0.0)
-    held = multiplier != 0.0
-    price = array("qp.soft_linear")[soft, None] + array("qp.soft_quadratic")[soft, None] * slack[soft]
+    active = multiplier != 0.0
+    penalty = array("qp.soft_linear")[soft, None] + array("qp.soft_quadratic")[soft, None] * slack[soft]
     given = np.zeros(0) if free_initial else array("initial") - x[0]
     return Residuals(
         stationarity=_largest(gradient),
         defect=_largest(np.append(array("qp.c"), given)),
         violation=_largest(outside - slack),
         complementarity=_largest(
-            np.append(multiplier[held] * (distance + slack)[held], (price - multiplier[soft]) * slack[soft])
+            np.append(multiplier[active] * (distance + slack)[active], (penalty - multiplier[soft]) * slack[soft])
         ),
     )
 

@@ -38,9 +38,9 @@ class StageProblem:
     upper: Floats
     """(NB,)"""
     soft_linear: Floats
-    """(NB,) price of a violation; infinite where the bound is hard"""
+    """(NB,) linear penalty of a violation; infinite where the bound is hard"""
     soft_quadratic: Floats
-    """(NB,)"""
+    """(NB,) quadratic penalty"""
     bound: NDArray[np.int32]
     """(NB,) index into z of each bounded variable"""
 

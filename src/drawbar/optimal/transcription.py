@@ -99,8 +99,11 @@ class Transcription:
         return bool(ca.mtimes(inputs.T, states).nnz())
 
     @property
-    def answered(self) -> bool:
-        """Whether one input answers for each bound, its own or that which alone moves its state (solver/held_set.h)."""
+    def uncoupled(self) -> bool:
+        """Whether no bound is coupled: each is on an input, or on a state that one input alone moves.
+
+        As projected Newton (solver/projected_newton.h) needs it.
+        """
         if self.free_initial or self.attempt is not None:
             return False
         moved = Counter(ca.jacobian(self.next_state, self.u).sparsity().row())

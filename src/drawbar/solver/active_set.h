@@ -1,7 +1,7 @@
 /* Primal-dual active set (Hintermueller, Ito, Kunisch 2003) on the factorisation of the problem without bounds.
  *
  * Bounds that are taken as active become equations z_i = bound with a multiplier nu_i each. The solution is linear in
- * them, z = free + sum_i nu_i column_i, where column_i is one sweep for a unit pull on z_i, so that a handful of active
+ * them, z = free + sum_i nu_i column_i, where column_i is one sweep for a unit multiplier on z_i, so that a handful of active
  * bounds costs a handful of sweeps and a small dense system (their Schur complement). Bounds of a free first state alone,
  * an estimator's, cost no sweep: their columns are those of its factor's inverse, and they are found before the way
  * forward. Wherever this does not settle the interior point takes over.
@@ -14,15 +14,15 @@
 #define ACTIVE_ROUNDING 1e-10              /* a pivot this much smaller than what it was taken from is rounding */
 #define ACTIVE_PASSES 10
 #ifndef COLUMNS
-#define COLUMNS 1                          /* 0 where a single input answers for each bound: held_set.h has them all */
+#define COLUMNS 1                          /* 0 where no bound is coupled: projected_newton.h has them all */
 #endif
 
-/* How the pulls move everything, and nothing else does. */
+/* How the gradient alone moves everything. */
 static void active_sweep(const struct qp *s, struct active_set *a)
 {
     static const double zero[N][NX], still[NX];
 
-    qp_solve(s, a->pull, zero, still, a->dz, a->dpi);
+    qp_solve(s, a->gradient, zero, still, a->dz, a->dpi);
 }
 
 /* Are all bounds those of a free first state? */
@@ -42,8 +42,8 @@ static void active_first(const struct qp *s, const double *gradient, double *fir
     ldl_state_solve((const double (*)[NX])s->P0_L, s->P0_D, first);
 }
 
-/* Add the changed multipliers to the gradient. */
-static void active_pull(const struct qp *s, const struct active_set *a, const double *change, double *gradient)
+/* Add changes of the multipliers to a gradient. */
+static void active_add_multipliers(const struct qp *s, const struct active_set *a, const double *change, double *gradient)
 {
     for (int r = 0; r < a->count; ++r)
         gradient[s->bound[a->member[r]]] -= change[r];
@@ -54,10 +54,10 @@ static int active_add(const struct qp *s, struct active_set *a, int i)
 {
     if (a->count == ACTIVE_MOST)
         return 0;
-    memset(a->pull, 0, sizeof a->pull);
-    a->pull[s->bound[i]] = -1.0;
+    memset(a->gradient, 0, sizeof a->gradient);
+    a->gradient[s->bound[i]] = -1.0;
     if (a->first)
-        active_first(s, a->pull, a->dz);
+        active_first(s, a->gradient, a->dz);
     else
         active_sweep(s, a);
     for (int j = 0; j < NB; ++j)
@@ -67,16 +67,16 @@ static int active_add(const struct qp *s, struct active_set *a, int i)
     return 1;
 }
 
-/* L D L' of how far the pulls move the held variables; those that were released have rows of the identity. Returns 0 when
- * the held bounds depend on each other. */
+/* L D L' of the Schur complement: how far the multipliers move the variables at active bounds; released ones have rows of the
+ * identity. Returns 0 when the active bounds depend on each other. */
 static int active_factor(struct active_set *a)
 {
     for (int r = 0; r < a->count; ++r) {
-        const int i = a->member[r], held = a->side[i] != 0;
-        const double own = held ? a->column[r][i] : 1.0;
+        const int i = a->member[r], active = a->side[i] != 0;
+        const double own = active ? a->column[r][i] : 1.0;
         double pivot = own;
         for (int c = 0; c < r; ++c) {
-            double v = held && a->side[a->member[c]] != 0 ? a->column[c][i] : 0.0;
+            double v = active && a->side[a->member[c]] != 0 ? a->column[c][i] : 0.0;
             for (int k = 0; k < c; ++k)
                 v -= a->L[r][k] * a->L[c][k] * a->D[k];
             a->L[r][c] = v / a->D[c];
@@ -89,7 +89,7 @@ static int active_factor(struct active_set *a)
     return 1;
 }
 
-/* Changes of the multipliers that take the held variables from s->z to their bounds. */
+/* Changes of the multipliers that take the variables of active bounds from s->z to these. */
 static void active_solve(const struct qp *s, const struct active_set *a, double *nu)
 {
     for (int r = 0; r < a->count; ++r) {
@@ -105,7 +105,7 @@ static void active_solve(const struct qp *s, const struct active_set *a, double 
     }
 }
 
-/* Release what is held by a multiplier of the wrong sign, hold what lies outside; returns how many changed, or -1. */
+/* Release bounds with a multiplier of the wrong sign, activate violated ones; returns how many changed, or -1. */
 static int active_update(const struct qp *s, struct active_set *a)
 {
     int changes = 0;
@@ -130,8 +130,8 @@ static int active_update(const struct qp *s, struct active_set *a)
     return changes;
 }
 
-/* Find the bounds that are active, starting from s->z as it is without; returns 0 when they do not settle, or when a soft
- * one should rather give way. */
+/* Find the bounds that are active, starting from s->z as it is without; returns 0 when they do not converge, or when a soft
+ * one has to be violated. */
 static int active_settle(struct qp *s, struct active_set *a, int first)
 {
     a->first = first;
@@ -171,12 +171,12 @@ static int qp_active_set(struct qp *s, struct active_set *a)
 
     if (!active_settle(s, a, 0))
         return 0;
-    memcpy(a->pull, s->g, sizeof a->pull);
-    active_pull(s, a, a->nu, a->pull);
-    qp_solve(s, a->pull, (const double (*)[NX])s->c, s->initial, s->z, s->pi);
+    memcpy(a->gradient, s->g, sizeof a->gradient);
+    active_add_multipliers(s, a, a->nu, a->gradient);
+    qp_solve(s, a->gradient, (const double (*)[NX])s->c, s->initial, s->z, s->pi);
     active_solve(s, a, correction);
-    memset(a->pull, 0, sizeof a->pull);
-    active_pull(s, a, correction, a->pull);
+    memset(a->gradient, 0, sizeof a->gradient);
+    active_add_multipliers(s, a, correction, a->gradient);
     active_multipliers(s, a, correction);
     active_sweep(s, a);
     for (int i = 0; i < NZ; ++i)
@@ -190,19 +190,19 @@ static int qp_active_set(struct qp *s, struct active_set *a)
  * solution without bounds, when it does not settle. */
 static int qp_first_set(struct qp *s, struct active_set *a)
 {
-    double feedforward[N][NU], pull[NX] = {0}, first[NX], correction[AT_LEAST_ONE(ACTIVE_MOST)];
+    double feedforward[N][NU], change[NX] = {0}, first[NX], correction[AT_LEAST_ONE(ACTIVE_MOST)];
 
     solve_backward(s, s->g, (const double (*)[NX])s->c, s->pi, feedforward);
     active_first(s, s->pi, s->z);
     const int settled = active_settle(s, a, 1);
     if (settled && a->count > 0) {         /* with the settled multipliers, then moved by what rounding left */
-        active_pull(s, a, a->nu, s->pi);
+        active_add_multipliers(s, a, a->nu, s->pi);
         active_first(s, s->pi, s->z);
         active_solve(s, a, correction);
-        active_pull(s, a, correction, pull);
+        active_add_multipliers(s, a, correction, change);
         active_multipliers(s, a, correction);
     }
-    active_first(s, pull, first);
+    active_first(s, change, first);
     for (int j = 0; j < NX; ++j)
         first[j] += s->z[j];
     solve_forward(s, (const double (*)[NU])feedforward, (const double (*)[NX])s->c, first, s->z, s->pi);

@@ -9,28 +9,28 @@
 #define NLOWER ((NB + BLOCK - 1) / BLOCK * BLOCK)
 #define NSLOTS AT_LEAST_ONE(2 * NLOWER)    /* slot i: lower side of bounded variable i, slot NLOWER + i: its upper side */
 
-/* Work of active_set.h: the bounds that it holds, and one column for each that it ever held in this problem. */
+/* Work of active_set.h: the active bounds, and one column for each that was ever active in this problem. */
 struct active_set {
-    double column[AT_LEAST_ONE(ACTIVE_MOST)][AT_LEAST_ONE(NB)];   /* how a unit pull moves the bounded variables */
+    double column[AT_LEAST_ONE(ACTIVE_MOST)][AT_LEAST_ONE(NB)];   /* how a unit multiplier moves the bounded variables */
     double L[AT_LEAST_ONE(ACTIVE_MOST)][AT_LEAST_ONE(ACTIVE_MOST)], D[AT_LEAST_ONE(ACTIVE_MOST)];
     double nu[AT_LEAST_ONE(ACTIVE_MOST)];
-    double pull[NZ], dz[NZ], dpi[(N + 1) * NX];   /* one sweep: the pulls, and how they move everything */
+    double gradient[NZ], dz[NZ], dpi[(N + 1) * NX];   /* one sweep: its gradient, and how that moves everything */
     int32_t count, member[AT_LEAST_ONE(ACTIVE_MOST)], slot[AT_LEAST_ONE(NB)];   /* slot: place among the columns, or -1 */
     int32_t side[AT_LEAST_ONE(NB)];        /* -1: at the lower bound, 1: at the upper, 0: free */
     int32_t first;                         /* all bounds are those of a free first state */
 };
 
-/* Work of held_set.h: what each bound does, and the recursion's vectors. */
-struct held_set {
+/* Work of projected_newton.h: the state of each bound, and the recursion's vectors. */
+struct projected_newton {
     double p[N + 1][WIDTH], feedforward[N][NU];
-    double left[N][NU], rest[N][NU][WIDTH];    /* of a held input's gradient under the laws, left + rest x, */
-    double stiffness[N][NU];               /* and how it changes with the input */
-    double g[NZ], curve[NZ];               /* the cost's gradient, and what prices add to its curvature */
-    double nu[AT_LEAST_ONE(NB)];           /* multipliers: positive pulls up */
-    int32_t side[AT_LEAST_ONE(NB)], by[N][NU];   /* by: the bound that says what an input does, or -1 */
-    int32_t first[N][NU], next[AT_LEAST_ONE(NB)], foreign;   /* bounds that speak of each input, and those of none; -1: end */
-    int32_t becomes[AT_LEAST_ONE(NB)];     /* side after the input's next move */
-    int32_t last;                          /* stage with the last bound that was ever held */
+    double gradient_offset[N][NU], gradient_gain[N][NU][WIDTH];   /* an input's gradient under the laws: offset + gain x, */
+    double curvature[N][NU];               /* and its derivative by the input */
+    double g[NZ], penalty_curvature[NZ];   /* the cost's gradient, and what penalties add to its curvature */
+    double nu[AT_LEAST_ONE(NB)];           /* multipliers: positive at lower bounds */
+    int32_t side[AT_LEAST_ONE(NB)], active[N][NU];   /* active: the bound that determines an input, or -1 */
+    int32_t first[N][NU], next[AT_LEAST_ONE(NB)], coupled;   /* chains of each input's bounds, and of coupled ones; -1: end */
+    int32_t new_side[AT_LEAST_ONE(NB)];    /* side after the input's next move */
+    int32_t last;                          /* stage with the last bound that was ever active */
 };
 
 /* The best answer so far: near the limit of the arithmetic the next iterate may be worse. */
@@ -65,7 +65,7 @@ struct interior_point {
 };
 
 union bounds_work {
-    struct held_set held;
+    struct projected_newton newton;
     struct active_set active;
     struct interior_point ip;
 };

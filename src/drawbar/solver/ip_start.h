@@ -131,7 +131,8 @@ static double ip_far_out(const struct qp *restrict s, double *restrict away)
     return farthest;
 }
 
-/* Draw all bounded variables towards their bounds, with as much curvature for each kind. Returns 0 where the factorisation fails. */
+/* Draw all bounded variables towards their bounds, with as much curvature for each kind. Returns 0 where the factorisation
+ * fails. */
 static int ip_draw(struct qp *restrict s, struct interior_point *restrict ip, const double *restrict curvature)
 {
     double gradient[NZ];
@@ -216,20 +217,20 @@ static COLD void ip_start(struct qp *restrict s, struct interior_point *restrict
         if (ip->exists[slot] == 0.0)
             continue;
         const double distance = bound_distance(s, s->z, m), least = near * size[kind] + 1e-12;
-        const double margin = worst[kind] > least ? worst[kind] : least, price = s->soft_linear[m / 2];
+        const double margin = worst[kind] > least ? worst[kind] : least, penalty = s->soft_linear[m / 2];
         const double curvature = ip_curvature(s, m / 2);
         double lambda;
         ip->t[slot] = distance > margin ? distance : margin;
         ip->ease[slot] = 1.0 / (curve[kind] > flat ? curve[kind] : flat);
         lambda = margin * margin * (curvature > flat ? curvature : flat) / ip->t[slot];
-        if (price < (double)INFINITY) {            /* starts where its own multipliers add up to the violation's price */
-            const double growth = s->soft_quadratic[m / 2], most = 0.5 * (price + growth * ip->t[slot]);
+        if (penalty < (double)INFINITY) {            /* starts where its own multipliers add up to its penalty */
+            const double growth = s->soft_quadratic[m / 2], most = 0.5 * (penalty + growth * ip->t[slot]);
             lambda = lambda < most ? lambda : most;
             ip->soft[slot] = 1.0;
-            ip->linear[slot] = price;
+            ip->linear[slot] = penalty;
             ip->quadratic[slot] = growth;
-            ip->v[slot] = ip_start_violation(price - lambda, growth, lambda * ip->t[slot]);
-            ip->sigma[slot] = price + growth * ip->v[slot] - lambda;
+            ip->v[slot] = ip_start_violation(penalty - lambda, growth, lambda * ip->t[slot]);
+            ip->sigma[slot] = penalty + growth * ip->v[slot] - lambda;
             ip->pairs += 1.0;
         }
         ip->lambda[slot] = lambda;

@@ -87,7 +87,7 @@ static inline int is_given(const struct qp *s, int i)
     return !FREE_INITIAL && s->bound[i] < NX && !(s->soft_linear[i] < (double)INFINITY);
 }
 
-/* What the bounds add: their multipliers to the gradient, the price of violations to the cost; returns their own worst
+/* What the bounds add: their multipliers to the gradient, the penalty of violations to the cost; returns their own worst
  * relative residual, and what their multipliers and distances from them cost together, the gap. */
 static double kkt_bounds(const struct qp *restrict s, struct kkt_scale *restrict scale, double *restrict gradient,
                          double *restrict total)
@@ -107,9 +107,9 @@ static double kkt_bounds(const struct qp *restrict s, struct kkt_scale *restrict
         gap += fabs(lambda * distance);
         if (soft) {                        /* the multiplier of slack >= 0 is what remains of its cost */
             const double sigma = s->soft_linear[i] + s->soft_quadratic[i] * slack - lambda;
-            const double price = fabs((s->soft_linear[i] + 0.5 * s->soft_quadratic[i] * slack) * slack);
-            scale->slope += price;
-            scale->terms += price;
+            const double penalty = fabs((s->soft_linear[i] + 0.5 * s->soft_quadratic[i] * slack) * slack);
+            scale->slope += penalty;
+            scale->terms += penalty;
             negative[kind] = largest(negative[kind], sigma < 0.0 ? sigma : 0.0);
             gap += fabs(sigma) * (fabs(slack) + (distance < 0.0 ? -distance : 0.0));   /* of the slack, stated and true */
         }

@@ -36,36 +36,36 @@ static double least_cost(const struct qp *restrict s)
 }
 
 /* Sizes against which residuals are judged, one for each state and input, since their units differ. Multipliers are
- * among them, but not in the cost's `slope`, what is left of its linear part and the price of violations, and not in their
+ * among them, but not in the cost's `slope`, what is left of its linear part and the penalty of violations, and not in their
  * `terms`. */
 struct kkt_scale {
     double primal[NX + NU], dual[NX + NU], slope, terms, objective;
 };
 
-/* The largest sizes of what the rows of the gradient are sums of, for each state and input. */
-static inline void kkt_pulls(const struct qp *restrict s, double *restrict dual)
+/* The largest terms of the gradient's rows, for each state and input. */
+static inline void kkt_gradient_terms(const struct qp *restrict s, double *restrict dual)
 {
-    double pull[(N + 1) * NX], push[N * NU];
+    double states[(N + 1) * NX], inputs[N * NU];
 
     for (int k = 0; k <= N; ++k)
         for (int j = 0; j < NX; ++j)
-            STATE(pull, k)[j] = s->Q[k][j][j] * STATE(s->z, k)[j];
+            STATE(states, k)[j] = s->Q[k][j][j] * STATE(s->z, k)[j];
     for (int k = 0; k < N; ++k)
         for (int a = 0; a < NU; ++a) {
             double costates = 0.0;
             for (int m = 0; m < ND; ++m)
                 costates += fabs(s->B[k][m][a] * STATE(s->pi, k + 1)[m]);
-            push[k * NU + a] = largest(costates, s->R[k][a][a] * INPUT(s->z, k)[a]);
+            inputs[k * NU + a] = largest(costates, s->R[k][a][a] * INPUT(s->z, k)[a]);
         }
-    largest_of_kinds(pull, N + 1, NX, dual);
+    largest_of_kinds(states, N + 1, NX, dual);
     largest_of_kinds(s->g, N + 1, NX, dual);
     largest_of_kinds(STATE(s->pi, !FREE_INITIAL), N + FREE_INITIAL, NX, dual);
-    largest_of_kinds(push, N, NU, dual + NX);
+    largest_of_kinds(inputs, N, NU, dual + NX);
     largest_of_kinds(INPUT(s->g, 0), N, NU, dual + NX);
 }
 
-/* Lets the bounds' multipliers grow the gradient's sizes; returns what they cost. */
-static inline double kkt_pulls_of_bounds(const struct qp *restrict s, double *restrict dual)
+/* Includes the bounds' multipliers in the gradient's terms; returns what they cost. */
+static inline double kkt_bound_terms(const struct qp *restrict s, double *restrict dual)
 {
     double cost = 0.0;
 
@@ -86,8 +86,8 @@ static void kkt_scales(const struct qp *restrict s, int bounded, struct kkt_scal
 
     largest_of_kinds(STATE(s->z, 0), N + 1, NX, primal);
     largest_of_kinds(INPUT(s->z, 0), N, NU, primal + NX);
-    kkt_pulls(s, dual);
-    scale->objective = 1e-12 + (bounded ? kkt_pulls_of_bounds(s, dual) : 0.0);
+    kkt_gradient_terms(s, dual);
+    scale->objective = 1e-12 + (bounded ? kkt_bound_terms(s, dual) : 0.0);
     scale->slope = scale->terms = 0.0;
     add_products(s->g, s->z, NZ, &scale->slope, &scale->terms);
     for (int j = 0; j < NX + NU; ++j) {
@@ -116,17 +116,17 @@ static void kkt_quadratic(const struct qp *restrict s, double *restrict square, 
             *data = largest(*data, s->Q[k][j][j]);
         }
         for (int a = 0; a < NU && k < N; ++a) {
-            double pull = CROSS ? add_dot(0.0, s->S[k][a], state) : 0.0;
+            double gradient = CROSS ? add_dot(0.0, s->S[k][a], state) : 0.0;
             for (int b = 0; b < NU; ++b)
-                pull += 0.5 * s->R[k][a][b] * u[b];
-            *square += u[a] * pull;
+                gradient += 0.5 * s->R[k][a][b] * u[b];
+            *square += u[a] * gradient;
             *terms += 0.5 * s->R[k][a][a] * u[a] * u[a];
             *data = largest(*data, s->R[k][a][a]);
         }
     }
 }
 
-/* The cost's own size, of data and variables alone: what is left of its linear part beside the price of violations, and its
+/* The cost's own size, of data and variables alone: what is left of its linear part beside the penalty of violations, and its
  * quadratic part. Rounding makes something of terms that cancel; where it drowns what is left of them nothing is known of the
  * cost, and only the data's own size counts: an optimum that is solved again passes by that, and hardly another answer. */
 static double kkt_cost(const struct qp *restrict s, const struct kkt_scale *restrict scale)

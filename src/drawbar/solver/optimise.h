@@ -1,14 +1,14 @@
 /* Optimise: which method solves a quadratic program, and which one where that does not; the solution is judged.
  *
- * One sweep where no bound is active; the held set (held_set.h) or the active set (active_set.h) for a few bounds; the
- * interior point for many, or wherever those do not settle.
+ * One sweep where no bound is active; projected Newton (projected_newton.h) or an active set (active_set.h) for a few bounds;
+ * the interior point for many, or wherever those do not converge.
  */
 #ifndef DRAWBAR_OPTIMISE_H
 #define DRAWBAR_OPTIMISE_H
 
 #include "active_set.h"
 #include "noinline.h"
-#include "held_again.h"
+#include "pn_warm_start.h"
 #include "interior_point.h"
 #include "solver_resources.h"
 
@@ -48,37 +48,37 @@ static void qp_afresh(struct qp *s)
     qp_solve(s, s->g, (const double (*)[NX])s->c, s->initial, s->z, s->pi);
 }
 
-/* The held set, from the bounds that are kept or from none, and the judge. Nothing is kept but what solves the problem. */
-static enum held_outcome qp_judged(struct qp *s, struct held_set *held)
+/* Projected Newton, from the kept bounds or from none, and the check. Only bounds of a solution are kept. */
+static enum pn_outcome qp_checked(struct qp *s, struct projected_newton *newton)
 {
     double gradient[NZ], defect[N][NX];
-    enum held_outcome outcome = qp_held(s, held);
+    enum pn_outcome outcome = qp_projected_newton(s, newton);
 
     memset(s->kept, 0, sizeof s->kept);
-    if (outcome != HELD_SETTLED)
+    if (outcome != PN_CONVERGED)
         return outcome;
     if (kkt_check(s, 1, gradient, defect) == SOLVED) {
-        held_keep(s, held);
-        return HELD_SETTLED;
+        pn_keep(s, newton);
+        return PN_CONVERGED;
     }
     memset(s->multiplier, 0, sizeof s->multiplier);
     memset(s->violation, 0, sizeof s->violation);
-    return HELD_UNSETTLED;
+    return PN_NOT_CONVERGED;
 }
 
-/* Both active sets; returns whether one of them has the solution. Else s holds the one without bounds. */
+/* Projected Newton, then the active set; returns whether one of them has the solution. Else s has the one without bounds. */
 static int qp_active(struct qp *s, union bounds_work *work)
 {
     double gradient[NZ], defect[N][NX];
-    enum held_outcome held = HELD_FOREIGN;
+    enum pn_outcome outcome = PN_COUPLED;
 
     if (!FREE_INITIAL) {
-        held = qp_judged(s, &work->held);
-        if (held == HELD_SETTLED)
+        outcome = qp_checked(s, &work->newton);
+        if (outcome == PN_CONVERGED)
             return 1;
         qp_afresh(s);
     }
-    if (COLUMNS && held == HELD_FOREIGN && qp_active_set(s, &work->active)) {
+    if (COLUMNS && outcome == PN_COUPLED && qp_active_set(s, &work->active)) {
         if (kkt_check(s, 1, gradient, defect) == SOLVED)
             return 1;
         qp_afresh(s);
@@ -113,7 +113,7 @@ static int qp_optimise(struct qp *s, struct solver_resources *resources)
             | !(s->soft_quadratic[i] < (double)INFINITY) | !(s->soft_linear[i] + s->soft_quadratic[i] > 0.0);
     if (invalid)
         return BAD_INPUT;
-    if (!FREE_INITIAL && s->factored == FACTORED_KEPT && qp_judged(s, &work->held) == HELD_SETTLED)
+    if (!FREE_INITIAL && s->factored == FACTORED_KEPT && qp_checked(s, &work->newton) == PN_CONVERGED)
         return SOLVED;
     memset(s->kept, 0, sizeof s->kept);
     s->iterations = 0;

@@ -37,7 +37,7 @@
 #define LEAST_STEP 0
 #endif
 
-enum factorisation { NOT_FACTORED, FACTORED, FACTORED_KEPT };   /* kept: with the laws of the bounds that are kept */
+enum factorisation { NOT_FACTORED, FACTORED, FACTORED_KEPT };   /* kept: with the laws of the kept bounds */
 
 struct qp {
     /* problem */
@@ -58,8 +58,8 @@ struct qp {
     double kkt;                            /* relative KKT residual, from kkt.h */
     int32_t status, iterations;
     int32_t factored;                      /* P, K, L, D belong to Q, R, S, A, B without a barrier: enum factorisation */
-    int32_t kept[N][NU];                   /* what held an input in the problem before, of held_again.h: 1 + j, a bound of state j
-                                            * behind the stage; 1 + NX, its own; negative: a lower one; 0: nothing */
+    int32_t kept[N][NU];                   /* bound of each input that was active in the problem before, see pn_warm_start.h:
+                                            * 1 + j, of state j after the stage; 1 + NX, its own; negative: lower; 0: none */
     /* factorisation */
     double P[N + 1][NX][WIDTH], K[N][NU][WIDTH], L[N][NU][NU], D[N][NU], P0_L[NX][NX], P0_D[NX];
 };

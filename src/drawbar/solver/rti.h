@@ -144,7 +144,7 @@ static int rti_prepare(struct rti *s)
     rti_hessian(s);
     if (!s->valid_weights)
         return s->status = BAD_INPUT;
-    if (!FREE_INITIAL && held_factor(&s->qp))
+    if (!FREE_INITIAL && pn_factor(&s->qp))
         s->qp.factored = FACTORED_KEPT;
     else
         s->qp.factored = qp_factor(&s->qp, NULL, N + 1);

@@ -6,7 +6,7 @@
 #include "random.h"
 
 static struct workspace memory;
-static union bounds_work *const work = &memory.work;
+static union bounds_work *const scratch = &memory.work;
 #define work memory.component.rti
 
 static void fill(void)
@@ -88,7 +88,7 @@ int main(void)
         if (one_in(10))
             disturb(&work.y[N][0], 1);
         memcpy(before, work.z, sizeof before);
-        memset(work, 0xFF, sizeof *work);  /* may hold anything */
+        memset(scratch, 0xFF, sizeof *scratch);  /* may hold anything */
         judge(feedback(&memory), before);
 #if FREE_INITIAL
         if (one_in(2))

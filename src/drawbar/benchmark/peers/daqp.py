@@ -11,7 +11,7 @@ from drawbar.geometry import Floats
 from drawbar.optimal.stage_problem import StageProblem
 
 _CURVATURE = 1e-3
-"""of the price of a violation: DAQP wants a definite cost, and so much changes it by less than a millionth"""
+"""of the penalty of a violation: DAQP wants a definite cost, and so much changes it by less than a millionth"""
 _UNBOUNDED = 1e30
 _REPEATS = 5
 _LATER = ("room", ctypes.c_double * 64)

@@ -1,4 +1,4 @@
-"""Bounds that are held from one problem to the next (held_again.h): the same solutions, and no pass where they stay."""
+"""Warm start with the active bounds of the problem before (pn_warm_start.h): same solution, no pass where they stay."""
 
 from collections.abc import Iterator
 from typing import Any

@@ -1,4 +1,4 @@
-"""Bounds that one input answers for are held by factorisation (held_set.h): rates of a steering, and its angle."""
+"""Projected Newton (projected_newton.h) on bounds of a steering's rate and angle."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ from drawbar.signals import SolverStatus
 SIZES = Sizes(stages=10, states=2, inputs=1, bounds=20, free_initial=False)
 PROBLEMS = 150
 FEW = 3
-"""passes of the held set that nearly all of these need at most"""
+"""passes that nearly all of these need at most"""
 
 
 @pytest.fixture(scope="module")
@@ -24,7 +24,7 @@ def program() -> QuadraticProgram:
 def steering(rng: np.random.Generator, *, linear: float, quadratic: float) -> StageProblem:
     """Return a steering that has to move a body aside: states are its distance and the angle, the input is the rate.
 
-    The angle is bounded at a price, the rate is bounded hard.
+    The angle is bounded softly, the rate is bounded hard.
     """
     N, nx, nu = SIZES.stages, SIZES.states, SIZES.inputs
     interval, target = 0.2, rng.uniform(-0.6, 0.6)
@@ -50,7 +50,7 @@ def steering(rng: np.random.Generator, *, linear: float, quadratic: float) -> St
     )
 
 
-def by_held_set(problem: StageProblem, program: QuadraticProgram) -> bool:
+def by_projected_newton(problem: StageProblem, program: QuadraticProgram) -> bool:
     """Return whether no bound that is not active has a multiplier: an interior point leaves a little of each."""
     value = program.array("z")[problem.bound]
     distances = np.stack([value - problem.lower, problem.upper - value], axis=1).ravel()
@@ -71,7 +71,7 @@ def test_steering_at_its_limits(linear: float, quadratic: float, program: Quadra
         assert judge(truth, clarabel(problem)) == Verdict.SOLVED
         if program.array("iterations")[0] > 0:
             bounded += 1
-            without_interior_point += by_held_set(problem, program)
+            without_interior_point += by_projected_newton(problem, program)
             few_passes += int(program.array("iterations")[0] <= FEW)
             multiplier, violation = program.array("multiplier"), program.array("violation")
             held += int((multiplier[violation == 0.0] > 1e-6).sum())
