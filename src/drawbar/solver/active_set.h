@@ -4,7 +4,7 @@
  * them, z = free + sum_i nu_i column_i, where column_i is one sweep for a unit multiplier on z_i, so that a handful of active
  * bounds costs a handful of sweeps and a small dense system (their Schur complement). Bounds of a free first state alone,
  * an estimator's, cost no sweep: their columns are those of its factor's inverse, and they are found before the way
- * forward. Wherever this does not settle the interior point takes over.
+ * forward. Wherever this does not converge the interior point takes over.
  */
 #ifndef DRAWBAR_ACTIVE_SET_H
 #define DRAWBAR_ACTIVE_SET_H

@@ -96,7 +96,7 @@ static int qp_solve_free(struct qp *s, struct active_set *active)
     return bounds_respected(s);
 }
 
-/* One sweep (factored beforehand if s->factored) when no bound is active, an active set where that settles, the interior
+/* One sweep (factored beforehand if s->factored) when no bound is active, an active set where that converges, the interior
  * point otherwise; the answer is judged by kkt_check. */
 static int qp_optimise(struct qp *s, struct solver_resources *resources)
 {
