@@ -12,7 +12,8 @@ from dataclasses import dataclass, fields
 from enum import Enum, IntEnum
 from typing import Any, get_args, get_origin, get_type_hints
 
-from drawbar.messages import KINDS, Cell, Kind, Message
+from drawbar.message_fields import Cell
+from drawbar.messages import KINDS, Kind, Message
 
 MARK = 0x4244
 """first two bytes of every record: "DB" """
