@@ -60,7 +60,7 @@ class LocalFrame:
     """of the origin above the ellipsoid, m"""
 
     def east_north(self, latitude: Floats | float, longitude: Floats | float) -> tuple[Floats, Floats]:
-        """Return east and north (m) of WGS84 degrees of one shape, taken at the origin's height."""
+        """Return east and north (...), m, of WGS84 degrees (...), taken at the origin's height."""
         east, north, _ = self.east_north_up(latitude, longitude, self.height)
         return east, north
 
@@ -104,7 +104,7 @@ class LocalFrame:
 
 
 def geocentric(latitude: Floats | float, longitude: Floats | float, height: Floats | float) -> Floats:
-    """Return WGS84 degrees and heights above the ellipsoid (m) in Cartesian coordinates (..., 3), m."""
+    """Return WGS84 degrees (...) and heights above the ellipsoid (...), m, in Cartesian coordinates (..., 3), m."""
     phi, lam = np.radians(latitude), np.radians(longitude)
     normal = _AXIS / np.sqrt(1.0 - _ECCENTRICITY_SQUARED * np.sin(phi) ** 2)
     across = (normal + height) * np.cos(phi)

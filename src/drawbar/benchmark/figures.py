@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def microseconds(times: Sequence[float] | Floats) -> dict[str, float]:
-    """Return median, mean, 99th percentile and maximum of times given in s, in µs."""
+    """Return median, mean, 99th percentile and maximum, µs, of times (n,), s."""
     values = 1e6 * np.asarray(times)
     return {
         "median": float(np.median(values)),

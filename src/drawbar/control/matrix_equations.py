@@ -15,7 +15,7 @@ _SLOWEST = 1.0 - 1e-7
 
 
 def spectral_radius(A: Floats) -> float:
-    """Return the largest magnitude of an eigenvalue, 0 for an empty matrix."""
+    """Return the largest magnitude of an eigenvalue of A (n, n), 0 for an empty matrix."""
     return float(np.abs(np.linalg.eigvals(A)).max(initial=0.0))
 
 

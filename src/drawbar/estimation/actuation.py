@@ -46,13 +46,13 @@ def actuation_unit(vehicle: VehicleParameters, settings: ActuationSettings, samp
 
 
 def bank_lags() -> Floats:
-    """Return the lags of the bank's members, s."""
+    """Return the lags (n,) of the bank's members, s."""
     lags: Floats = _FASTEST * np.power(_RATIO, np.arange(_LAGS), dtype=np.float64)
     return lags
 
 
 def bank_rates() -> Floats:
-    """Return the rates of the bank's members, as logarithms of shares of the stated rate."""
+    """Return the rates (n,) of the bank's members, as logarithms of shares of the stated rate."""
     rates: Floats = -np.log(_SLOWER) * np.arange(_RATES, dtype=np.float64)
     return rates
 

@@ -39,7 +39,11 @@ def from_a_and_b(a: Floats, b: Floats) -> Floats:
 
 
 def from_a_and_heading(a: Floats, compass: float) -> Floats:
-    """Return the A-B line (2, 2) through a point (2,) m along a compass heading, clockwise from north, rad."""
+    """Return the A-B line (2, 2) through a point (2,) m along a compass heading, clockwise from north, rad.
+
+    Raises:
+        PathError: the heading is not finite.
+    """
     if not math.isfinite(compass):
         raise PathError(f"the heading is {compass}; give degrees from 0 (north) to 360, clockwise")
     return np.array([a, a + AHEAD * np.array([math.sin(compass), math.cos(compass)])])

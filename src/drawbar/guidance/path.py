@@ -147,7 +147,7 @@ class Path:
         )
 
     def labels(self, arc_length: Floats) -> list[str]:
-        """Return the class of the path at each arc length (m); beyond the ends that of the nearest piece."""
+        """Return the class of the path at each arc length (n,), m; beyond the ends that of the nearest piece."""
         return [self.label_names[index] for index in self.classes(arc_length)]
 
     def classes(self, arc_length: Floats) -> NDArray[np.int8]:

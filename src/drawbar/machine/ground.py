@@ -64,5 +64,5 @@ class Ground:
 
 
 def reflected(factor: Floats) -> Floats:
-    """Return slip factors reflected at 0 and 1 into that range."""
+    """Return slip factors (...) reflected at 0 and 1 into that range."""
     return np.abs(1.0 - np.abs(1.0 - factor))

@@ -112,13 +112,13 @@ class StageProblem:
         return np.maximum([self.lower - value, value - self.upper], 0.0)
 
     def penalty(self, z: Floats) -> float:
-        """Return what the violations of soft bounds cost."""
+        """Return the penalty of the violations of soft bounds at a point (NZ,)."""
         soft = np.isfinite(self.soft_linear)
         outside = self.violations(z)[:, soft]
         return float((self.soft_linear[soft] * outside + 0.5 * self.soft_quadratic[soft] * outside**2).sum())
 
     def units(self, x: Floats, u: Floats) -> "StageProblem":
-        """Return the same problem with state j in units of 1/x[j] and input a in units of 1/u[a]."""
+        """Return the same problem with state j in units of 1/x[j], x (NX,), and input a in units of 1/u[a], u (NU,)."""
         N = self.sizes.stages
         z = np.concatenate([np.tile(x, N + 1), np.tile(u, N)])
         own = z[self.bound]

@@ -35,5 +35,5 @@ class StageBounds(dict[str, Floats]):
         raise SolverError(f"Write into the solver's own memory: [{name!r}][...] = ...")
 
     def update(self, *_: object, **__: object) -> None:
-        """Refuse to replace arrays."""
+        """Raise SolverError: arrays are not replaced."""
         raise SolverError("Write into the solver's own memory, one bound after the other: [name][...] = ...")

@@ -16,7 +16,11 @@ _NUMPY = (np.ndarray, np.generic)
 
 
 def encode_special(value: Any) -> Any:
-    """Turn what msgspec does not know into what it knows: arrays, numpy scalars, configuration sections."""
+    """Turn what msgspec does not know into what it knows: arrays, numpy scalars, configuration sections.
+
+    Raises:
+        TypeError: the value is none of these.
+    """
     if isinstance(value, _NUMPY):
         return value.tolist()
     if isinstance(value, BaseModel):

@@ -35,7 +35,7 @@ class _Window:
         return np.column_stack([across, down])
 
     def curve(self, x: Floats, y: Floats, look: str) -> str:
-        """Return an SVG path through the points, with gaps at NaN."""
+        """Return an SVG path through the points x (n,), y (n,), with gaps at NaN."""
         commands, pen_down = [], False
         for across, down in self.place(x, y).tolist():
             visible = math.isfinite(across) and math.isfinite(down)

@@ -170,7 +170,11 @@ class Autopilot:
     def record(self, truth: Truth | None = None) -> StepRecord:
         """Return what the newest step took in, decided and put out.
 
-        truth: of a simulated machine at the time of the measurement.
+        Args:
+            truth: of a simulated machine at the time of the measurement.
+
+        Raises:
+            DrawbarError: there has been no step yet.
         """
         if self._measurement is None or self._command is None:
             raise DrawbarError("There is no step to record yet; call feedback() first.")

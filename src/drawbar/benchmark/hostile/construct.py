@@ -27,7 +27,7 @@ class HostileProblem:
 
 
 def decades(rng: np.random.Generator, least_and_most: tuple[float, float], size: int | tuple[int, ...] = 1) -> Floats:
-    """Return powers of ten with exponents drawn evenly."""
+    """Return numbers (size) whose decimal logarithms are uniform between the two given."""
     return np.asarray(10.0 ** rng.uniform(*least_and_most, size))
 
 

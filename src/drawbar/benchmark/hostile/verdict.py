@@ -61,7 +61,7 @@ def violation(problem: StageProblem, z: Floats, size: Floats) -> float:
 
 
 def gap(truth: HostileProblem, z: Floats) -> float:
-    """Return by how much z costs more (or less) than the optimum, relative to the parts of the optimal cost."""
+    """Return by how much z (NZ,) costs more or less than the optimum, relative to the parts of the optimal cost."""
     assert truth.optimum is not None
     problem, best = truth.problem, truth.optimum
     penalty = problem.penalty(best)

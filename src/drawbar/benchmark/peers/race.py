@@ -67,6 +67,6 @@ class Race:
 
 
 def same(problem: StageProblem, z: Floats, answer: Floats) -> bool:
-    """Return whether an answer is as good as z: violates nothing and costs the same, to a millionth."""
+    """Return whether an answer (NZ,) is as good as z (NZ,): violates nothing and costs the same, to a millionth."""
     truth = HostileProblem(name="recorded", problem=problem, optimum=z)
     return judge(truth, Answer(claim=Verdict.SOLVED, z=answer)) == Verdict.SOLVED

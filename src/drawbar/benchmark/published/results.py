@@ -31,12 +31,12 @@ class Compared:
 
 
 def cost(problem: StageProblem, z: Floats) -> float:
-    """Return what a point costs."""
+    """Return the cost of a point (NZ,)."""
     return float(0.5 * z @ problem.weighed(z) + problem.g @ z + problem.penalty(z))
 
 
 def stationarity(problem: StageProblem, z: Floats) -> float:
-    """Return by how much a point's gradient is none of the bounds it sits on, relative to the gradient's terms.
+    """Return the part of the gradient at a point (NZ,) that no active bound explains, relative to the gradient's terms.
 
     The inputs' gradient, with the states eliminated, is told as well as can be by multipliers of the right signs; no
     solver's own multipliers are asked. Bounds are hard.

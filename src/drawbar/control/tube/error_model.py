@@ -30,7 +30,7 @@ class Source:
         return self.bound * np.asarray(segments.sum(axis=-1).max(axis=-1))
 
     def within(self, coordinates: NDArray[np.intp]) -> Self:
-        """Return the source as the coordinates with these indices see it."""
+        """Return the source projected onto the coordinates with these indices (m,)."""
         inner = self.generators[:, :, coordinates]
         return type(self)(name=self.name, unit=self.unit, bound=self.bound, generators=inner)
 

@@ -37,7 +37,11 @@ def gain_of(body: str, model: ErrorModel, settings: BodyTubeSettings) -> Floats:
 
 
 def regulator(body: str, model: ErrorModel, weights: list[float]) -> Floats:
-    """Return K of the regulator that minimises the sum of weight times square of every state, then of the command."""
+    """Return K (n,) of the linear quadratic regulator with these weights, of every state (n) and then of the command.
+
+    Raises:
+        TubeError: no regulator is found.
+    """
     A, B = model.A[0], model.B[0][:, None]
     *Q, R = weights
     try:

@@ -26,7 +26,7 @@ _HOPELESS = 1e6
 def declared_sources(
     body: str, model: ErrorModel, gain: Floats, settings: BodyTubeSettings, nominal: Nominal
 ) -> tuple[Source, ...]:
-    """Return the sources that are declared with a positive bound.
+    """Return the sources that are declared with a positive bound; gain: K (n,).
 
     Raises:
         ConfigurationError: a name is none of the model's.

@@ -191,7 +191,7 @@ def closed_loop(model: ErrorModel, gain: Floats, nominal: Nominal) -> Floats:
 
 
 def bounded_coordinates(name: str, model: ErrorModel, A: Floats) -> Indices:
-    """Return the largest set of coordinates that depend on nothing else and decay, at all work points.
+    """Return the largest set of coordinates (m,) that depend on nothing else and decay, at all work points A (v, n, n).
 
     An error that no feedback brings back, the lateral one under a gain on yaw alone, has no bound; what does not depend
     on it may still have one.

@@ -55,7 +55,7 @@ class Calibrated:
 
 
 def finite_columns(*columns: Sequence[float] | Floats) -> list[Floats]:
-    """Return columns of equal length as arrays, without the rows in which any is not finite."""
+    """Return columns (n,) of equal length as arrays, without the rows in which any is not finite."""
     arrays = [np.asarray(column, float) for column in columns]
     whole = np.logical_and.reduce([np.isfinite(array) for array in arrays])
     return [array[whole] for array in arrays]
@@ -86,7 +86,7 @@ class LinearFit:
 
 
 def linear_fit(matrix: Floats, values: Floats) -> LinearFit:
-    """Return the least squares solution; what is not determined has an infinite deviation."""
+    """Return the least squares solution of matrix (m, n) x = values (m,); undetermined entries deviate infinitely."""
     rows, columns = matrix.shape
     scale = np.sqrt((matrix**2).sum(axis=0))
     scale[scale == 0.0] = 1.0

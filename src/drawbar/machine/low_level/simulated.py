@@ -25,7 +25,7 @@ class _Delayed:
         self._waiting = [0.0] * round(dead_time / STEP)
 
     def advance(self, drive: float, other: Floats, duration: float) -> None:
-        """Hold the drive for a duration, a multiple of the step; `other` inputs act at once."""
+        """Hold the drive for a duration, a multiple of the step; `other` inputs (n - 1,) act at once."""
         for _ in range(round(duration / STEP)):
             self._waiting.append(drive)
             self._plant.inputs[0, 0] = self._waiting.pop(0)
