@@ -21,7 +21,7 @@ struct component {
     struct yaw_sensor yaw;                 /* the tractor's */
     struct yaw_rate_sensor yaw_rate;       /* the tractor's */
     struct rate_history rates;             /* the tractor's, by the wheels */
-    struct yaw_witness witness;
+    struct yaw_residual yaw_residual;
 };
 
 #define COMPONENT_FIELDS                                                                                          \
@@ -147,7 +147,7 @@ void UNIT(report)(const struct component *alignment, struct drawbar_actuation *f
 /* The largest recent departure of the fixes' yaw from the yaw rate, rad; NaN: unknown. */
 void UNIT(departure)(const struct component *alignment, double *departure)
 {
-    *departure = yaw_witness_departure(&alignment->witness);
+    *departure = yaw_residual_departure(&alignment->yaw_residual);
 }
 
 /* Align a measurement; returns 0 or the status with which the run ends. last: the newest estimate; expected: the one that
@@ -182,7 +182,7 @@ int UNIT(apply)(struct component *alignment, const struct drawbar_measurement *m
     judge_deviations(alignment, expected, aligned);
     align_angles(&interval, aligned);
     align_yaw(&alignment->yaw, &alignment->chain, &interval, fix_latency(alignment), aligned);
-    align_yaw_rate(&alignment->yaw_rate, &alignment->rates, &alignment->witness, &alignment->chain, &interval,
+    align_yaw_rate(&alignment->yaw_rate, &alignment->rates, &alignment->yaw_residual, &alignment->chain, &interval,
                    aligned);
     const int present[] = {attitude_is_new(&positions->tracks[ALIGNED_TRACTOR], interval.now),
                            attitude_is_new(&positions->tracks[ALIGNED_TRAILER], interval.now)};

@@ -7,7 +7,7 @@
 #include "yaw_rate.h"
 #include "yaw_rate_sensor.h"
 #include "yaw_sensor.h"
-#include "yaw_witness.h"
+#include "yaw_residual.h"
 #include "yaws_at_rest.h"
 
 #define COARSE_REFERENCE 0.1               /* standard deviation of fixes beyond which there is no reference, m */
@@ -52,8 +52,8 @@ static inline void align_yaw(struct yaw_sensor *sensor, const struct chain *chai
 }
 
 /* Bring the tractor's yaw rate up to now, without the sensor's errors, in place; NaN where it is excluded. The departure of the
- * fixes' yaw from it is witnessed even then. */
-static inline void align_yaw_rate(struct yaw_rate_sensor *sensor, struct rate_history *rates, struct yaw_witness *witness,
+ * fixes' yaw from it shows even then. */
+static inline void align_yaw_rate(struct yaw_rate_sensor *sensor, struct rate_history *rates, struct yaw_residual *residual,
                                   const struct chain *chain, const struct sample_interval *interval, struct drawbar_measurement *m)
 {
     const double now = wheels_yaw_rate(chain, interval->expected);
@@ -67,7 +67,7 @@ static inline void align_yaw_rate(struct yaw_rate_sensor *sensor, struct rate_hi
     const double turned = wrapped(line_direction(interval->expected) - line_direction(interval->last));
     const struct yaw_reference reference = {yaw_of_fixes(chain, m), interval->predicted > 0.0 ? turned / interval->predicted : 0.0};
 
-    yaw_witness_update(witness, reference.yaw, yaw_rate_corrected(sensor, measured), interval->elapsed);
+    yaw_residual_update(residual, reference.yaw, yaw_rate_corrected(sensor, measured), interval->elapsed);
     m->tractor_yaw_rate = yaw_rate_judged(sensor, measured, now, &reference, interval->elapsed);
 }
 

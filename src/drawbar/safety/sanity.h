@@ -71,7 +71,7 @@ static inline double share_of_swings(struct component *sanity, int32_t swings, d
 }
 
 /* Judge one step, as it was reported and as it was aligned: returns 0 or the status with which the run ends; `share`
- * becomes the part of the set speed that may be driven. departure: see yaw_witness.h, rad. */
+ * becomes the part of the set speed that may be driven. departure: see yaw_residual.h, rad. */
 int UNIT(judge)(struct component *sanity, const struct drawbar_measurement *reported,
                 const struct drawbar_measurement *measurement, const struct drawbar_estimate *estimate,
                 const struct drawbar_body_reference *tractor, const struct drawbar_body_reference *trailer, double departure,

@@ -1,4 +1,4 @@
-"""The yaw witness: a wrong hitch angle departs from the yaw rate, slipping wheels, zeros and noise do not."""
+"""The yaw residual: a wrong hitch angle departs from the yaw rate, slipping wheels, zeros and noise do not."""
 
 import math
 
@@ -11,14 +11,14 @@ from drawbar.codegen import Unit
 from drawbar.geometry import Floats
 
 UNIT = """
-#include "yaw_witness.h"
+#include "yaw_residual.h"
 #include "unit.h"
-struct component { struct yaw_witness witness; double departure; };
+struct component { struct yaw_residual residual; double departure; };
 #define COMPONENT_FIELDS FIELD(component, departure, 0, 1, 0, 0)
 int UNIT(update)(struct component *component, double yaw, double rate, double elapsed)
 {
-    yaw_witness_update(&component->witness, yaw, rate, elapsed);
-    component->departure = yaw_witness_departure(&component->witness);
+    yaw_residual_update(&component->residual, yaw, rate, elapsed);
+    component->departure = yaw_residual_departure(&component->residual);
     return 0;
 }
 """
@@ -31,11 +31,11 @@ RATES = 0.4 * np.cos(0.4 * TIMES)
 
 
 def departures(yaws: Floats, rates: Floats) -> Floats:
-    """Return what is witnessed at each sample, rad."""
-    witness, seen = Alone(Unit(name="witness", source=UNIT, configure=lambda workspace: None)), []
+    """Return the residual at each sample, rad."""
+    residual, seen = Alone(Unit(name="residual", source=UNIT, configure=lambda workspace: None)), []
     for yaw, rate in zip(yaws.tolist(), rates.tolist(), strict=True):
-        witness.call("update", Real(math.remainder(yaw, 2.0 * math.pi)), Real(rate), Real(SAMPLE))
-        seen.append(float(witness.live.array("departure").item()))
+        residual.call("update", Real(math.remainder(yaw, 2.0 * math.pi)), Real(rate), Real(SAMPLE))
+        seen.append(float(residual.live.array("departure").item()))
     return np.array(seen)
 
 
@@ -78,6 +78,6 @@ def test_single_missing_fixes_are_bridged_and_longer_gaps_begin_it_anew() -> Non
 
 
 @pytest.mark.parametrize("missing", ["yaw", "rate"])
-def test_without_yaw_or_yaw_rate_nothing_is_witnessed(missing: str) -> None:
+def test_without_yaw_or_yaw_rate_there_is_no_residual(missing: str) -> None:
     nothing = np.full(YAWS.size, math.nan)
     assert np.isnan(departures(*((nothing, RATES) if missing == "yaw" else (YAWS, nothing)))).all()
