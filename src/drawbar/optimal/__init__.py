@@ -1,6 +1,7 @@
 """Optimal control and estimation: problems as data, and the compiled real-time iteration that solves them."""
 
-from drawbar.optimal.problem import Bound, ControlProblem, EstimationProblem
+from drawbar.optimal.bound import Bound
+from drawbar.optimal.problem import ControlProblem, EstimationProblem
 from drawbar.optimal.quadratic_program import QuadraticProgram, Sizes
 from drawbar.optimal.residuals import Residuals, Solution
 from drawbar.optimal.solver import ControlSolver, EstimationSolver, RealTimeIteration

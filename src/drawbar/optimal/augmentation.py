@@ -15,7 +15,8 @@ from typing import Any
 
 import casadi as ca
 
-from drawbar.optimal.problem import Bound, ControlProblem
+from drawbar.optimal.bound import Bound
+from drawbar.optimal.problem import ControlProblem
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,6 +1,7 @@
-"""Arrays that a caller gives a solver, checked: numbers, their count, and no more than can be computed with."""
+"""Numbers and arrays that a caller gives, checked: their kind, their count, and no more than can be computed with."""
 
 from collections.abc import Sequence
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,12 @@ from drawbar.geometry import Floats
 LARGEST_INPUT = 1e12
 """magnitude of measurements, references, parameters and first states: with squares of what is more no number in a
 trajectory would count any longer; solver/rti.h refuses it too"""
+
+
+def check_numbers(what: str, **given: Any) -> None:
+    """Raise SolverError for what is no number."""
+    if wrong := [f"{name} = {value!r}" for name, value in given.items() if not isinstance(value, Real)]:
+        raise SolverError(f"{what}: numbers are allowed, got {', '.join(wrong)}; give numbers.")
 
 
 def given_array(what: str, values: Any, shape: Sequence[int], names: str = "") -> Floats:

@@ -1,62 +1,23 @@
 """Optimal control and estimation problems as plain data."""
 
-import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from numbers import Integral, Real
 from typing import Any
 
 import casadi as ca
 
-from drawbar.errors import SolverError, demand
+from drawbar.errors import SolverError
+from drawbar.optimal.bound import Bound
+from drawbar.optimal.problem_checks import (
+    check_acting,
+    check_bounds,
+    check_intervals,
+    check_model,
+    check_time,
+    check_values,
+)
 from drawbar.vehicle.integrators import Integrator
 from drawbar.vehicle.model import Model, Variable
-
-LONGEST_HORIZON, MOST_INTERVALS = 10_000, 100
-"""samples of a horizon, and integration steps in an interval; shooting intervals in a sample: code and memory grow with
-them"""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Bound:
-    """lower <= variable <= upper at every stage; hard unless a penalty is given."""
-
-    lower: float
-    upper: float
-    linear_penalty: float = math.inf
-    """cost of a violation, per unit, beside half the sum of squares; infinite: the bound is hard; zero: the bound gives
-    way as far as the quadratic penalty lets it"""
-    quadratic_penalty: float = 0.0
-    """cost of a violation, per unit squared (half of it, as in 1/2 q v²)"""
-
-    def __post_init__(self) -> None:
-        _check_numbers(
-            "A bound",
-            lower=self.lower,
-            upper=self.upper,
-            linear_penalty=self.linear_penalty,
-            quadratic_penalty=self.quadratic_penalty,
-        )
-        if not self.lower <= self.upper:
-            raise SolverError(
-                f"A bound needs lower <= upper, got lower = {self.lower} and upper = {self.upper}; give two numbers "
-                f"in this order, infinite where there is no bound."
-            )
-        if self.lower == math.inf or self.upper == -math.inf:
-            raise SolverError(
-                f"A bound needs lower < infinity and upper > -infinity, got lower = {self.lower} and upper = "
-                f"{self.upper}: no number lies between; give a finite one, or exchange the signs."
-            )
-        if not (self.linear_penalty >= 0.0 and 0.0 <= self.quadratic_penalty < math.inf):
-            raise SolverError(
-                f"A bound needs linear_penalty >= 0 (infinite: hard) and a finite quadratic_penalty >= 0, got "
-                f"{self.linear_penalty} and {self.quadratic_penalty}."
-            )
-        if self.linear_penalty + self.quadratic_penalty == 0.0:
-            raise SolverError(
-                "A bound needs a linear_penalty or a quadratic_penalty above 0, got 0 for both: it would bound "
-                "nothing; leave it out, or give one."
-            )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,27 +62,35 @@ class ControlProblem:
     what it should be"""
 
     def __post_init__(self) -> None:
-        _check_model(self.model)
-        _check_time(self)
-        _check_intervals(self.intervals_per_sample)
+        check_model(self.model)
+        check_time(self)
+        check_intervals(self.intervals_per_sample)
         model = self.model
-        _check_values("weights", self.weights, model.outputs)
+        check_values("weights", self.weights, model.outputs)
+        self._check_terminal_weights()
+        if self.initial_weights != {}:
+            check_values("initial_weights", self.initial_weights, model.states)
+        check_values("change_weights", self.change_weights, model.inputs, required=())
+        check_bounds(model, self.bounds, {"state": model.states, "input": model.inputs, "output": model.outputs})
+        check_bounds(model, self.change_bounds, {"input": model.inputs}, "change_bounds")
+        self._refuse_ambiguous_outputs()
+        self._refuse_with_a_free_first_state()
+
+    def _check_terminal_weights(self) -> None:
+        model = self.model
         depends = ca.which_depends(model.output, model.u, 1, True)
         of_inputs = [output for output, on_input in zip(model.outputs, depends, strict=True) if on_input]
         others = [output for output in model.outputs if output not in of_inputs]
-        _check_values("terminal_weights", self.terminal_weights, model.outputs, required=others)
+        check_values("terminal_weights", self.terminal_weights, model.outputs, required=others)
         weighed = [output.name for output in of_inputs if self.terminal_weights.get(output.name)]
         if weighed:
             raise SolverError(
                 f"terminal_weights: {', '.join(map(repr, weighed))} of {model.name!r} depends on an input, which "
                 f"the last stage does not have; leave it out, or give 0.0."
             )
-        if self.initial_weights != {}:
-            _check_values("initial_weights", self.initial_weights, model.states)
-        _check_values("change_weights", self.change_weights, model.inputs, required=())
-        _check_bounds(model, self.bounds, {"state": model.states, "input": model.inputs, "output": model.outputs})
-        _check_bounds(model, self.change_bounds, {"input": model.inputs}, "change_bounds")
-        self._refuse_ambiguous_outputs()
+
+    def _refuse_with_a_free_first_state(self) -> None:
+        """Refuse what a problem with a free first state cannot have."""
         if self.initial_weights and (self.changing or self.bounded_outputs):
             raise SolverError(
                 f"A free first state (initial_weights) goes with bounds on states and inputs only; take "
@@ -205,18 +174,18 @@ class EstimationProblem:
     """of an adaptive integrator: estimated error that a step may have, relative to one unit of a state plus its size"""
 
     def __post_init__(self) -> None:
-        _check_model(self.model)
-        _check_time(self)
+        check_model(self.model)
+        check_time(self)
         model, estimated = self.model, self.estimated
-        _check_values("weights", self.weights, model.outputs)
-        _check_values("prior_deviation", self.prior_deviation, estimated, advice="give how far off it may be at first")
-        _check_values("process_deviation", self.process_deviation, estimated, advice="give 0.0 to what stays as it is")
-        _check_values("common_deviation", self.common_deviation, estimated, required=())
+        check_values("weights", self.weights, model.outputs)
+        check_values("prior_deviation", self.prior_deviation, estimated, advice="give how far off it may be at first")
+        check_values("process_deviation", self.process_deviation, estimated, advice="give 0.0 to what stays as it is")
+        check_values("common_deviation", self.common_deviation, estimated, required=())
         if not all(deviation > 0.0 for deviation in self.prior_deviation.values()):
             raise SolverError(f"prior_deviation must be positive, got {dict(self.prior_deviation)}.")
         kinds = {"state": model.states, "parameter": model.parameters, "input": model.inputs}
-        _check_bounds(model, self.bounds, kinds)
-        _check_acting(model, self.acting)
+        check_bounds(model, self.bounds, kinds)
+        check_acting(model, self.acting)
         if self.acting and self.integrator == Integrator.ADAPTIVE:
             raise SolverError(
                 "acting goes with integrators of equal steps only, got Integrator.ADAPTIVE; take another."
@@ -231,103 +200,3 @@ class EstimationProblem:
 def row(values: Mapping[str, float], declared: Iterable[Variable]) -> list[float]:
     """Return values given by name in the order in which variables are declared, 0 where one is not named."""
     return [values.get(variable.name, 0.0) for variable in declared]
-
-
-def _check_numbers(what: str, **given: Any) -> None:
-    """Refuse what is no number."""
-    if wrong := [f"{name} = {value!r}" for name, value in given.items() if not isinstance(value, Real)]:
-        raise SolverError(f"{what}: numbers are allowed, got {', '.join(wrong)}; give numbers.")
-
-
-def _check_model(model: Any) -> None:
-    demand("model", model, Model, "give one that declare() or Model(...) made", SolverError)
-
-
-def _check_time(problem: ControlProblem | EstimationProblem) -> None:
-    horizon, sample_time, steps = problem.horizon, problem.sample_time, problem.integration_steps
-    if not (isinstance(horizon, Integral) and isinstance(steps, Integral)):
-        raise SolverError(
-            f"horizon and integration_steps must be whole numbers, got {horizon!r} and {steps!r}; give an int."
-        )
-    tolerance = problem.integration_tolerance
-    _check_numbers("A problem", sample_time=sample_time, integration_tolerance=tolerance)
-    if problem.integrator not in tuple(Integrator):
-        allowed = ", ".join(f"Integrator.{each.name}" for each in Integrator)
-        raise SolverError(f"integrator = {problem.integrator!r} is none of {allowed}; give one of these.")
-    if horizon < 2 or steps < 1:
-        raise SolverError(f"horizon must be at least 2 and integration_steps at least 1, got {horizon} and {steps}.")
-    if horizon > LONGEST_HORIZON or steps > LONGEST_HORIZON:
-        raise SolverError(
-            f"horizon and integration_steps must be at most {LONGEST_HORIZON}, got {horizon} and {steps}; take longer "
-            f"samples."
-        )
-    if problem.integrator == Integrator.ADAPTIVE and steps < 2:
-        raise SolverError(
-            f"An adaptive integrator needs integration_steps, the most that it may try, of at least 2, got {steps}; "
-            f"give 100, for one."
-        )
-    if not 0.0 < sample_time < math.inf:
-        raise SolverError(f"sample_time must be positive and finite, got {sample_time} s.")
-    if not 0.0 < tolerance < 1.0:
-        raise SolverError(f"integration_tolerance must lie between 0 and 1, got {tolerance}; give 1e-4, for one.")
-
-
-def _check_intervals(intervals: Any) -> None:
-    if not (isinstance(intervals, Integral) and 1 <= int(intervals) <= MOST_INTERVALS):
-        raise SolverError(f"intervals_per_sample must be a whole number from 1 to {MOST_INTERVALS}, got {intervals!r}.")
-
-
-def _check_values(
-    what: str,
-    values: Mapping[str, float],
-    declared: Iterable[Variable],
-    required: Iterable[Variable] | None = None,
-    advice: str = "give 0.0 to what shall not count",
-) -> None:
-    """Refuse values that are not by name, of unknown names, not complete (required None: all), negative or infinite."""
-    names = [variable.name for variable in declared]
-    if not isinstance(values, Mapping):
-        raise SolverError(
-            f"{what} go by name, such as {{{names[0]!r}: 1.0}}, got {values!r}; the names are {', '.join(names)}."
-        )
-    unknown = [name for name in values if name not in names]
-    if unknown:
-        raise SolverError(f"{what}: there is no {', '.join(map(repr, unknown))}; the names are {', '.join(names)}.")
-    _check_numbers(what, **values)
-    needed = names if required is None else [variable.name for variable in required]
-    missing = [name for name in needed if name not in values]
-    if missing:
-        raise SolverError(f"{what}: {', '.join(map(repr, missing))} is missing; {advice}.")
-    if not all(0.0 <= value < math.inf for value in values.values()):
-        raise SolverError(f"{what} must be finite and not negative, got {dict(values)}.")
-
-
-def _check_bounds(model: Model, bounds: Any, kinds: Mapping[str, Iterable[Variable]], what: str = "bounds") -> None:
-    names = [variable.name for kind in kinds.values() for variable in kind]
-    if not isinstance(bounds, Mapping) or not all(isinstance(bound, Bound) for bound in bounds.values()):
-        raise SolverError(
-            f"{what} go by name, such as {{{names[0]!r}: Bound(lower=-1.0, upper=1.0)}}, got {bounds!r}; give a Bound "
-            f"for each."
-        )
-    for name in bounds:
-        if name not in names:
-            raise SolverError(
-                f"{what}: {name!r} is no {', '.join(kinds)} of {model.name!r}; there are "
-                f"{', '.join(dict.fromkeys(names))}."
-            )
-
-
-def _check_acting(model: Model, acting: Mapping[str, Any]) -> None:
-    names = [variable.name for variable in model.parameters]
-    if unknown := [name for name in acting if name not in names]:
-        raise SolverError(
-            f"acting: {', '.join(map(repr, unknown))} is no parameter of {model.name!r}; there are {', '.join(names)}."
-        )
-    if wrong := [name for name, value in acting.items() if not isinstance(value, ca.SX) or not value.is_scalar()]:
-        raise SolverError(f"acting: {', '.join(map(repr, wrong))} must be a scalar SX of the model's symbols.")
-    known = {symbol.element_hash() for symbol in ca.symvar(ca.vertcat(model.x, model.p, model.c))}
-    free = {str(s) for value in acting.values() for s in ca.symvar(value) if s.element_hash() not in known}
-    if free:
-        raise SolverError(
-            f"acting uses symbols that are neither state, parameter nor constant of {model.name!r}: {sorted(free)}."
-        )

@@ -10,7 +10,8 @@ import casadi as ca
 
 from drawbar.codegen.emit import emit_indices
 from drawbar.optimal.augmentation import Augmentation, augment, change_name
-from drawbar.optimal.problem import Bound, ControlProblem, EstimationProblem
+from drawbar.optimal.bound import Bound
+from drawbar.optimal.problem import ControlProblem, EstimationProblem
 from drawbar.vehicle.integrators import Attempt, Integrator, attempt, discretise
 from drawbar.vehicle.model import Constant, by_name, constant, with_values
 

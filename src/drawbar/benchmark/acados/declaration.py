@@ -10,7 +10,7 @@ import numpy as np
 
 from drawbar.errors import DrawbarError
 from drawbar.geometry import Floats
-from drawbar.optimal.problem import Bound
+from drawbar.optimal.bound import Bound
 from drawbar.optimal.transcription import Transcription
 from drawbar.vehicle.model import with_values
 
