@@ -12,7 +12,8 @@ from mcap.writer import Writer
 
 from drawbar.guidance.figure_eight import figure_eights
 from drawbar.recording.encoding import encode_special
-from drawbar.recording.log import PathTable, RecordedPoints, RunHeader
+from drawbar.recording.log import RunHeader
+from drawbar.recording.path_table import PathTable, RecordedPoints
 from drawbar.recording.recorder import Recorder
 from drawbar.signals import StepRecord
 from drawbar.vehicle.parameters import VehicleParameters

@@ -15,7 +15,8 @@ from mcap_ros2.decoder import DecoderFactory
 from drawbar.errors import DrawbarError
 from drawbar.guidance.figure_eight import figure_eights
 from drawbar.recording import chunk
-from drawbar.recording.log import RecordedPoints, read_log
+from drawbar.recording.log import read_log
+from drawbar.recording.path_table import RecordedPoints
 from drawbar.recording.recorder import Recorder
 from drawbar.recording.table import number_names
 

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from drawbar.guidance.figure_eight import figure_eights
-from drawbar.recording.log import Outcome, PathTable, RunHeader, RunLog
+from drawbar.recording.log import Outcome, RunHeader, RunLog
+from drawbar.recording.path_table import PathTable
 from drawbar.signals import (
     BodyPlan,
     BodySteering,

@@ -4,7 +4,7 @@ import math
 import numpy as np
 import pytest
 
-from drawbar.recording.log import PathTable, RecordedPoints
+from drawbar.recording.path_table import PathTable, RecordedPoints
 from drawbar.report import style
 from drawbar.report.columns import track
 from drawbar.report.map import map_figure, outlines, polyline

@@ -11,7 +11,8 @@ from drawbar.errors import PathError, demand
 from drawbar.geometry import LocalFrame
 from drawbar.guidance.demands import largest_off_tracking, steering_shift
 from drawbar.guidance.path import Path
-from drawbar.recording.log import PathTable, RecordedPoints, RunHeader
+from drawbar.recording.log import RunHeader
+from drawbar.recording.path_table import PathTable, RecordedPoints
 
 if TYPE_CHECKING:
     from drawbar.guidance.smoothing import DrivablePath

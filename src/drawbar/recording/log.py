@@ -10,7 +10,7 @@ import stat
 import struct
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 from typing import Protocol, Self
@@ -19,16 +19,15 @@ import msgspec
 import numpy as np
 from mcap.exceptions import McapError
 from mcap.records import Attachment, Metadata
-from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from drawbar.errors import DrawbarError, demand, demand_path
 from drawbar.geometry import Floats
-from drawbar.guidance.path import Path as DrivenPath
 from drawbar.recording.encoding import decode_special, decode_step
 from drawbar.recording.frames import Damage, DamagedLogError
 from drawbar.recording.losses import Losses
 from drawbar.recording.named_numbers import no_number, number_of
+from drawbar.recording.path_table import PathTable, RecordedPoints
 from drawbar.recording.stream import Logged, LoggedMessage, read_records
 from drawbar.signals import StepRecord
 from drawbar.vehicle.parameters import VehicleParameters
@@ -38,7 +37,6 @@ LOG_NAME = "log.mcap"
 HEADER_NAME = "run.json"
 OUTCOME_NAME = "outcome"
 STEP_TOPIC = "/step"
-_DRAWN_POINTS = 3000
 _DAMAGE = (
     McapError,
     msgspec.MsgspecError,
@@ -47,55 +45,6 @@ _DAMAGE = (
     KeyError,
     struct.error,
 )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PathTable:
-    """The path of a run by its n+1 nodes; the path itself can be made from it again, exactly."""
-
-    arc_length: Floats
-    """(n+1,): m"""
-    x: Floats
-    """(n+1,): east, m"""
-    y: Floats
-    """(n+1,): north, m"""
-    yaw: Floats
-    """(n+1,): continuous, rad"""
-    label_of_piece: NDArray[np.int8]
-    """(n,): index into label_names"""
-    label_names: tuple[str, ...]
-    """the classes that the metrics tell apart"""
-
-    @classmethod
-    def of(cls, path: DrivenPath) -> Self:
-        """Tabulate a path."""
-        arc_length, x, y, yaw = path.nodes.T
-        labels = path.label_of_piece
-        return cls(arc_length=arc_length, x=x, y=y, yaw=yaw, label_of_piece=labels, label_names=path.label_names)
-
-    def path(self) -> DrivenPath:
-        """Make the path again."""
-        return DrivenPath.through(**{field.name: getattr(self, field.name) for field in fields(self)})
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RecordedPoints:
-    """The points of a recorded line to be drawn beside its path: at most a few thousand."""
-
-    points: Floats
-    """(n, 2): east and north, m"""
-    worst: int
-    """row of the point that is furthest from the path"""
-    deviation: float
-    """of the worst point from the path, m"""
-
-    @classmethod
-    def of(cls, points: Floats, deviations: Floats) -> Self:
-        """Choose from all points (n, 2) and their distances (n,) from the path, both in m; the worst stays."""
-        worst = int(deviations.argmax())
-        kept = np.union1d(np.arange(0, len(points), -(-len(points) // _DRAWN_POINTS)), worst)
-        row = int(np.searchsorted(kept, worst))
-        return cls(points=points[kept], worst=row, deviation=float(deviations[worst]))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 
 from drawbar.geometry import Floats
-from drawbar.recording.log import Columns, PathTable, RecordedPoints
+from drawbar.recording.log import Columns
+from drawbar.recording.path_table import PathTable, RecordedPoints
 from drawbar.report import style
 from drawbar.report.columns import along, line_points, track
 from drawbar.report.decimation import thinned

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drawbar.recording.log import PathTable
+from drawbar.recording.path_table import PathTable
 from drawbar.report import style
 
 KINK = "kink"
