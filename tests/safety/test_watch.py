@@ -119,31 +119,19 @@ def test_late_steps_are_those_of_the_last_seconds_of_this_controller():
     assert overruns() == 0
 
 
-def test_a_position_that_is_not_believed_refuses_to_engage_and_a_drive_goes_on():
-    told = {"notices": (Cause.POSITION_REJECTED.value, *[0] * 7)}
-    assert setting_looks.refuses(Cause.POSITION_REJECTED, **told)(SafetySettings())
-    assert not setting_looks.refuses(Cause.POSITION_REJECTED)(SafetySettings())
+@pytest.mark.parametrize(
+    ("cause", "seconds", "after"),
+    [
+        (Cause.POSITION_REJECTED, 1.0, SupervisorState.ACTIVE),
+        (Cause.ANTENNA_DISTANCE, 1.0, SupervisorState.ACTIVE),
+        (Cause.STEERING_MIRRORED, 0.3, SupervisorState.FAULT),
+    ],
+)
+def test_a_notice_that_refuses_to_engage_ends_a_drive_only_where_the_steering_is_mirrored(cause, seconds, after):
+    told = {"notices": (cause.value, *[0] * 7)}
+    assert setting_looks.refuses(cause, **told)(SafetySettings())
+    assert not setting_looks.refuses(cause)(SafetySettings())
     bench = Bench(SafetySettings()).drive()
     bench.controller = told
-    bench.run(1.0)
-    assert bench.state is SupervisorState.ACTIVE
-
-
-def test_mirrored_front_wheels_refuse_to_engage_and_release_the_steering():
-    told = {"notices": (Cause.STEERING_MIRRORED.value, *[0] * 7)}
-    assert setting_looks.refuses(Cause.STEERING_MIRRORED, **told)(SafetySettings())
-    assert not setting_looks.refuses(Cause.STEERING_MIRRORED)(SafetySettings())
-    bench = Bench(SafetySettings()).drive()
-    bench.controller = told
-    bench.run(0.3)
-    assert bench.state is SupervisorState.FAULT
-
-
-def test_antennas_at_a_wrong_distance_refuse_to_engage_and_a_drive_goes_on():
-    told = {"notices": (Cause.ANTENNA_DISTANCE.value, *[0] * 7)}
-    assert setting_looks.refuses(Cause.ANTENNA_DISTANCE, **told)(SafetySettings())
-    assert not setting_looks.refuses(Cause.ANTENNA_DISTANCE)(SafetySettings())
-    bench = Bench(SafetySettings()).drive()
-    bench.controller = told
-    bench.run(1.0)
-    assert bench.state is SupervisorState.ACTIVE
+    bench.run(seconds)
+    assert bench.state is after

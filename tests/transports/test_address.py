@@ -71,34 +71,26 @@ BAD_BUSES = {
 }
 
 
-@pytest.mark.parametrize("text", GOOD)
-def test_address_of_a_transport_is_understood(text: str) -> None:
-    assert parse_transport(text) == GOOD[text]
+KINDS = {
+    "transport": (parse_transport, GOOD, BAD, "serial:/dev/ttyUSB0@460800"),
+    "bus": (parse_can, GOOD_BUSES, BAD_BUSES, "can:socketcan:can0"),
+}
+"""how an address is parsed, which are right, which are wrong and why, and what is told to be a right one"""
 
 
-@pytest.mark.parametrize("text", BAD)
-def test_wrong_address_of_a_transport_is_refused(text: str) -> None:
+@pytest.mark.parametrize(("kind", "text"), [(kind, text) for kind in KINDS for text in KINDS[kind][1]])
+def test_an_address_is_understood(kind: str, text: str) -> None:
+    parse, good, _, _ = KINDS[kind]
+    assert parse(text) == good[text]
+
+
+@pytest.mark.parametrize(("kind", "text"), [(kind, text) for kind in KINDS for text in KINDS[kind][2]])
+def test_a_wrong_address_is_refused(kind: str, text: str) -> None:
+    parse, _, bad, example = KINDS[kind]
     with pytest.raises(ConfigurationError) as caught:
-        parse_transport(text)
-    told = str(caught.value)
-    assert BAD[text] in told
-    assert repr(text) in told
-    assert "serial:/dev/ttyUSB0@460800" in told
-
-
-@pytest.mark.parametrize("text", GOOD_BUSES)
-def test_address_of_a_bus_is_understood(text: str) -> None:
-    assert parse_can(text) == GOOD_BUSES[text]
-
-
-@pytest.mark.parametrize("text", BAD_BUSES)
-def test_wrong_address_of_a_bus_is_refused(text: str) -> None:
-    with pytest.raises(ConfigurationError) as caught:
-        parse_can(text)
-    told = str(caught.value)
-    assert BAD_BUSES[text] in told
-    assert repr(text) in told
-    assert "can:socketcan:can0" in told
+        parse(text)
+    for told in (bad[text], repr(text), example):
+        assert told in str(caught.value)
 
 
 @settings(derandomize=True, deadline=None)

@@ -1,6 +1,7 @@
 """Frames of AgIsoStack++ 509a920c, tapped from its virtual bus, and a NAME that can-j1939 2.0.12 makes too."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -60,16 +61,7 @@ READY = MachineInfo(
     exit_reason=ExitReason.NONE,
     engage_switch=True,
 )
-LIMITED = MachineInfo(
-    curvature=12.5e-3,
-    locked_out=False,
-    ready=True,
-    in_position=True,
-    reset_required=False,
-    limit=LimitStatus.LIMITED_HIGH,
-    exit_reason=ExitReason.COMMAND_TIMEOUT,
-    engage_switch=True,
-)
+LIMITED = replace(READY, limit=LimitStatus.LIMITED_HIGH, exit_reason=ExitReason.COMMAND_TIMEOUT)
 INFOS = {"0CACFF80 4E7D140040FFFFFF": READY, "0CACFF80 4E7D144045FFFFFF": LIMITED}
 SELECTED = SelectedSpeed(speed=1.49, distance=123.1, source=SpeedSource.NAVIGATION, exit_reason=0, limit=0)
 
