@@ -46,24 +46,7 @@ class ArticulatedEstimation(EstimationModel):
     ) -> None:
         """Declare the window problem for this vehicle and these sensors."""
         self.screening, self.position_deviation = settings.screening, noise.position
-        self.constants = chain_settings(vehicle) | {
-            "trailer_length": vehicle.trailer_length,
-            "first_slip": settings.first_slip,
-            "first_yaw_error": settings.first_yaw_error,
-            "sample_time": sample_time,
-            "tractor_lag": vehicle.steering_lag,
-            "trailer_lag": vehicle.steering_lag,
-            "tractor_rate": vehicle.tractor_steering_rate,
-            "trailer_rate": vehicle.trailer_steering_rate,
-            "joint_sign": vehicle.joint_sign,
-            **{f"slide.{name}": value for name, value in settings.slide},
-        }
-        deviations = (
-            sensor_deviations(noise)
-            | {"tractor_yaw": noise.yaw, "tractor_yaw_rate": noise.yaw_rate}
-            | dict.fromkeys(_CRAB, settings.crab)
-            | dict.fromkeys(_RATES, settings.steering_rate)
-        )
+        self.constants = _constants(vehicle, settings, sample_time)
         aged = math.sqrt(sample_time / DRIFT_TIME)
         drift = {name: aged * value for name, value in by_variable(settings.drift, _KEYS).items()}
         model, acting = _on_slide(articulated(vehicle))
@@ -73,7 +56,7 @@ class ArticulatedEstimation(EstimationModel):
             model=model,
             horizon=settings.window,
             sample_time=sample_time,
-            weights={name: deviation**-2 for name, deviation in deviations.items()},
+            weights={name: deviation**-2 for name, deviation in _deviations(noise, settings).items()},
             prior_deviation=by_variable(settings.prior, _KEYS),
             process_deviation=drift,
             common_deviation=dict.fromkeys(_ON_A_SLOPE, aged * settings.drift.slope),
@@ -84,6 +67,34 @@ class ArticulatedEstimation(EstimationModel):
                 **dict.fromkeys(_ON_A_SLOPE, angle),
             },
         )
+
+
+def _constants(
+    vehicle: VehicleParameters, settings: ArticulatedEstimatorSettings, sample_time: float
+) -> dict[str, float]:
+    """Return the settings of the estimator's header, by name."""
+    return chain_settings(vehicle) | {
+        "trailer_length": vehicle.trailer_length,
+        "first_slip": settings.first_slip,
+        "first_yaw_error": settings.first_yaw_error,
+        "sample_time": sample_time,
+        "tractor_lag": vehicle.steering_lag,
+        "trailer_lag": vehicle.steering_lag,
+        "tractor_rate": vehicle.tractor_steering_rate,
+        "trailer_rate": vehicle.trailer_steering_rate,
+        "joint_sign": vehicle.joint_sign,
+        **{f"slide.{name}": value for name, value in settings.slide},
+    }
+
+
+def _deviations(noise: SensorNoise, settings: ArticulatedEstimatorSettings) -> dict[str, float]:
+    """Return the standard deviations of the model's outputs, by name."""
+    return (
+        sensor_deviations(noise)
+        | {"tractor_yaw": noise.yaw, "tractor_yaw_rate": noise.yaw_rate}
+        | dict.fromkeys(_CRAB, settings.crab)
+        | dict.fromkeys(_RATES, settings.steering_rate)
+    )
 
 
 def _on_slide(model: Model) -> tuple[Model, dict[str, Any]]:

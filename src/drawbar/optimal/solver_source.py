@@ -64,39 +64,16 @@ def introspection(t: Transcription) -> str:
 
 def _functions(t: Transcription) -> str:
     """Return C: rti_constants, dynamics, hessian, gradient, and what an estimator has besides."""
-    nx = t.x.numel()
     w, y = (ca.SX.sym(name, t.output.numel()) for name in ("w", "y"))
     z = ca.vertcat(t.x, t.u)
     jacobian = ca.jacobian(t.output, z)
-    curvature = ca.mtimes([jacobian.T, ca.diag(w), jacobian])
-    residual = ca.mtimes(jacobian.T, w * (t.output - y))
-    inputs = [
-        Input(place="STATE(work->z, {k})[{i}]", rows="(N + 1)", symbol=t.x),
-        Input(place="INPUT(work->z, {k})[{i}]", rows="N", symbol=t.u),
-        Input(place="work->p[{k}][{i}]", rows="(N + 1)", symbol=t.p),
-        Input(place="work->p[{k} + 1][{i}]", rows="N", symbol=t.p_next),
-        Input(place="rti_weight(work, {k}, {i})", rows="(N + 1)", symbol=w),
-        Input(place="rti_target(work, {k}, {i})", rows="(N + 1)", symbol=y),
-        Input(place="work->constants[{i}]", rows="", symbol=column(t.constants)),
-        Input(place="({k}) % INTERVALS == 0", rows="N", symbol=t.begins),
-    ]
+    inputs = _inputs(t, w, y)
     slope, way = ca.jacobian(t.next_state, z), way_of(t.attempt, z) if t.attempt else None
     if way:
         slope += ca.mtimes(ca.jacobian(t.next_state, way.attempt.x), way.slope)
         inputs.append(way.read)
-    damping = LEVENBERG * ca.SX.eye(t.u.numel())
+    costs = _costs(t, jacobian, w, y)
     dynamics = _dynamics(t, *ca.cse([t.next_state, slope]))
-    costs = {
-        "hessian": [
-            Output(place="((double *)work->qp.Q[k])", rows="(N + 1)", value=curvature[:nx, :nx], stride="WIDTH"),
-            Output(place="((double *)work->qp.S[k])", rows="N", value=curvature[nx:, :nx], stride="WIDTH"),
-            Output(place="((double *)work->qp.R[k])", rows="N", value=curvature[nx:, nx:] + damping),
-        ],
-        "gradient": [
-            Output(place="STATE(work->qp.g, k)", rows="(N + 1)", value=residual[:nx]),
-            Output(place="INPUT(work->qp.g, k)", rows="N", value=residual[nx:]),
-        ],
-    }
     every = [*dynamics, *(output for outputs in costs.values() for output in outputs)]
     text = emit_constants("rti_constants", inputs, every, WORK)
     text += way.text(inputs, dynamics) if way else emit("dynamics", inputs, dynamics, WORK)
@@ -108,6 +85,39 @@ def _functions(t: Transcription) -> str:
         text += emit_constants("output_constants", inputs, measured, ROWS)
         text += emit("outputs", inputs, measured, ROWS)
     return text
+
+
+def _inputs(t: Transcription, w: ca.SX, y: ca.SX) -> list[Input]:
+    """Return what the functions read at a stage: trajectory, parameters, weights w and targets y (ny,), constants."""
+    return [
+        Input(place="STATE(work->z, {k})[{i}]", rows="(N + 1)", symbol=t.x),
+        Input(place="INPUT(work->z, {k})[{i}]", rows="N", symbol=t.u),
+        Input(place="work->p[{k}][{i}]", rows="(N + 1)", symbol=t.p),
+        Input(place="work->p[{k} + 1][{i}]", rows="N", symbol=t.p_next),
+        Input(place="rti_weight(work, {k}, {i})", rows="(N + 1)", symbol=w),
+        Input(place="rti_target(work, {k}, {i})", rows="(N + 1)", symbol=y),
+        Input(place="work->constants[{i}]", rows="", symbol=column(t.constants)),
+        Input(place="({k}) % INTERVALS == 0", rows="N", symbol=t.begins),
+    ]
+
+
+def _costs(t: Transcription, jacobian: ca.SX, w: ca.SX, y: ca.SX) -> dict[str, list[Output]]:
+    """Return the Gauss-Newton Hessian J' W J and the gradient J' W (h - y) of every stage, J (ny, nx + nu)."""
+    nx = t.x.numel()
+    hessian = ca.mtimes([jacobian.T, ca.diag(w), jacobian])
+    gradient = ca.mtimes(jacobian.T, w * (t.output - y))
+    damping = LEVENBERG * ca.SX.eye(t.u.numel())
+    return {
+        "hessian": [
+            Output(place="((double *)work->qp.Q[k])", rows="(N + 1)", value=hessian[:nx, :nx], stride="WIDTH"),
+            Output(place="((double *)work->qp.S[k])", rows="N", value=hessian[nx:, :nx], stride="WIDTH"),
+            Output(place="((double *)work->qp.R[k])", rows="N", value=hessian[nx:, nx:] + damping),
+        ],
+        "gradient": [
+            Output(place="STATE(work->qp.g, k)", rows="(N + 1)", value=gradient[:nx]),
+            Output(place="INPUT(work->qp.g, k)", rows="N", value=gradient[nx:]),
+        ],
+    }
 
 
 def _dynamics(t: Transcription, step: ca.SX, slope: ca.SX) -> list[Output]:
