@@ -88,3 +88,9 @@ def test_runs_that_differ_in_their_fault_alone_are_grouped(tasks, short_task: Ta
 def test_groups_are_small_enough_for_progress_to_move(tasks) -> None:
     many = [dataclasses.replace(tasks[0], fault=Alteration(name="prints", source=str(k))) for k in range(TOGETHER + 1)]
     assert [len(each) for each in grouped(many).values()] == [TOGETHER, 1]
+
+
+def test_what_a_variant_changes_from_the_start_is_no_fault() -> None:
+    (task,) = load_experiment(FOLDER).tasks(1)[f"{CASE}: S14 midnight"]
+    assert task.fault is None
+    assert [each.name for each in task.alterations] == ["straight", "midnight"]

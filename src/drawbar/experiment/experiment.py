@@ -78,6 +78,8 @@ class Variant(Settings):
     """texts KEY=VALUE, as for --set"""
     alteration: str = ""
     """function of the experiment's alterations that changes what no KEY=VALUE can; empty: none"""
+    from_the_start: bool = False
+    """where runs are rehearsed, the variant's alteration is applied before the run begins, not at the fault's place"""
     expected: Mapping[str, Expectation] = {}
     """by name of the figure: of it in every variant of the case, or of every case in the variant"""
 
@@ -244,13 +246,13 @@ def load_experiment(folder: Path) -> Experiment:
         settings=settings,
         configurations=_configurations(folder, settings, there),
         alterations={
-            name: _alterations(folder, (case,) if settings.rehearsed else (case, variant))
+            name: _alterations(folder, (case,) if _is_fault(settings, variant) else (case, variant))
             for name, (case, variant) in there.items()
         },
         faults={
             name: find_alteration(folder, variant.alteration)
             for name, (_, variant) in there.items()
-            if settings.rehearsed and variant.alteration
+            if _is_fault(settings, variant)
         },
         expected={
             name: figures
@@ -316,6 +318,11 @@ def _configurations(
             named = "" if case.configuration else ", whose name is that of its configuration,"
             raise ConfigurationError(f"{folder / FILE_NAME}: case {name!r}{named} cannot be read: {error}") from error
     return found
+
+
+def _is_fault(settings: ExperimentSettings, variant: Variant) -> bool:
+    """Return whether a variant's alteration is applied at the fault's place."""
+    return settings.rehearsed and bool(variant.alteration) and not variant.from_the_start
 
 
 def _alterations(folder: Path, changed: Sequence[Variant]) -> tuple[Alteration, ...]:

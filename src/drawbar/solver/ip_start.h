@@ -12,6 +12,8 @@
 #define DRAWN 0.1                          /* or than that, where it was drawn in from far out */
 #define PULL_MORE 1e4                      /* times harder that variables are drawn in from there, while they are far out, */
 #define LAST_PULL 1e8                      /* up to here, and then as much harder as they were far out */
+#define SOFT_START 10.0                    /* times what the curvature alone makes them: multipliers of soft sides, which do not exceed
+                                            * their penalty; where many are active, less leads to short steps */
 #define FLAT 1e-12                         /* of the largest curvature, of the room around a variable: as much as none */
 #define DAMPING 1e-8                       /* of the curvature, where the cost leaves something undetermined */
 
@@ -225,7 +227,7 @@ static COLD void ip_start(struct qp *restrict s, struct interior_point *restrict
         lambda = margin * margin * (curvature > flat ? curvature : flat) / ip->t[slot];
         if (penalty < (double)INFINITY) {            /* starts where its own multipliers add up to its penalty */
             const double growth = s->soft_quadratic[m / 2], most = 0.5 * (penalty + growth * ip->t[slot]);
-            lambda = lambda < most ? lambda : most;
+            lambda = SOFT_START * lambda < most ? SOFT_START * lambda : most;
             ip->soft[slot] = 1.0;
             ip->linear[slot] = penalty;
             ip->quadratic[slot] = growth;
