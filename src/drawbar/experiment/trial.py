@@ -12,6 +12,7 @@ from drawbar.config import Configuration
 from drawbar.driving.stand_in.rehearsal import STEP, Rehearsal
 from drawbar.driving.stand_in.simulated_links import LinkFault
 from drawbar.geometry import Floats, wrap
+from drawbar.guidance.path import Path
 from drawbar.machine.stand_in.faults import FAULTS
 from drawbar.machine.stand_in.machine import BODIES
 from drawbar.messages import SupervisorState
@@ -20,6 +21,7 @@ from drawbar.protocols.agopengps.steering import decode_steer
 from drawbar.recording.header import run_header
 from drawbar.recording.log import Outcome, RunLog
 from drawbar.safety.envelope import Bounds, Envelope
+from drawbar.safety.settings import SafetySettings
 from drawbar.signals import Pose, StepRecord
 from drawbar.simulation import build_path
 
@@ -43,19 +45,25 @@ gate's counts since the fault; flags of the control step"""
 class Trial:
     """What alterations of a rehearsal are given; they say what happens, where, and for how long it is watched."""
 
-    def __init__(self, configuration: Configuration, seed: int) -> None:
+    def __init__(
+        self,
+        configuration: Configuration,
+        seed: int,
+        drive: Callable[[Configuration, Path, int, SafetySettings], Rehearsal] = Rehearsal,
+    ) -> None:
         """Build the rehearsal.
 
         Args:
             configuration: of the run.
             seed: of everything random.
+            drive: returns what is watched, given what a Rehearsal is.
 
         Raises:
             DrawbarError: it cannot be built.
         """
         self.configuration, self.seed = configuration, seed
         self.path, self._drivable = build_path(configuration)
-        self.rehearsal = Rehearsal(configuration, self.path, seed, configuration.safety)
+        self.rehearsal = drive(configuration, self.path, seed, configuration.safety)
         self.place = -math.inf
         """arc length of the tractor at which the fault begins, once the vehicle is steered, m; -inf: at the start"""
         self.begin: Callable[[], None] = lambda: None
