@@ -37,7 +37,7 @@ WATCHED = (
     *("time", "state", "cause", "driving", "speed", "way", "tractor", "trailer", "beyond", "clips", "rejects"),
     *("dropped", "flags"),
 )
-"""columns `watch.NAME`: s since the fault; SupervisorState; code of its cause; boards that turn their wheel; m/s; m
+"""columns `watch.NAME`: s since the fault; SupervisorState; code of its cause; steerings that follow set points; m/s; m
 since the fault; signed distances of both bodies from the path, m; set points on the wire beyond the envelope; the
 gate's counts since the fault; flags of the control step"""
 
@@ -114,6 +114,7 @@ class Trial:
                 raise RuntimeError(f"arc length {self.place} m was not reached, the gate says {rehearsal.gate_state}")
             self._advance()
         self._rows.clear()
+        self._beyond = 0
         start, before = rehearsal.time, self._counts()
         for body in BODIES:
             self._judge_set_points(body)
@@ -147,12 +148,15 @@ class Trial:
 
     @property
     def _steered(self) -> bool:
-        return any(board.driving for board, _ in self.rehearsal.machine.boards.values())
+        return self.rehearsal.machine.driving > 0
 
     def _advance(self) -> None:
         for record, truth in self.rehearsal.run(STEP * 1e-9):
             self._records.append(replace(record, truth=truth))
-        truth = self.rehearsal.machine.world.truth
+        can, truth = self.rehearsal.machine.can, self.rehearsal.machine.world.truth
+        for body, angle in can.set_points().items() if can else ():
+            if angle is not None:
+                self._judge(body, angle)
         for i, pose in enumerate((truth.tractor, truth.trailer)):
             self._near[i], self._errors[i] = self._project(pose, self._near[i])
 
@@ -162,24 +166,28 @@ class Trial:
 
     def _state(self) -> tuple[float, float, float]:
         state = self.rehearsal.gate_state
-        driving = sum(board.driving for board, _ in self.rehearsal.machine.boards.values())
-        return (float(state.state if state else SupervisorState.BOOT), float(state.cause if state else 0), driving)
+        cause = float(state.cause if state else 0)
+        return (float(state.state if state else SupervisorState.BOOT), cause, self.rehearsal.machine.driving)
 
     def _counts(self) -> tuple[int, int, int]:
         state = self.rehearsal.gate_state
         return (state.clips, state.rejects, state.dropped) if state else (0, 0, 0)
 
+    def _judge(self, body: str, angle: float) -> None:
+        """Count a set point that is beyond the envelope at the speed that the vehicle truly has."""
+        speed = max(self.rehearsal.machine.world.truth.speed - 0.1, 0.0)
+        limit = self._envelope.angle_cap(speed) if body == "tractor" else self._trailer_limit
+        self._beyond += not abs(wrap(angle)) <= limit + _SAME
+
     def _judge_set_points(self, body: str) -> None:
-        """Count set points that leave the gate and are beyond the envelope at the speed that the vehicle truly has."""
+        """Judge set points that leave the gate for a board."""
         wire = f"{body} set point"
 
         def fault(now: float, data: bytes) -> list[tuple[float, bytes]]:
             frame = parse(data)
             decoded = decode_steer(frame) if isinstance(frame, Frame) else None
             if decoded is not None and decoded[0].steer:
-                speed = max(self.rehearsal.machine.world.truth.speed - 0.1, 0.0)
-                limit = self._envelope.angle_cap(speed) if body == "tractor" else self._trailer_limit
-                self._beyond += not abs(wrap(decoded[0].angle)) <= limit + _SAME
+                self._judge(body, decoded[0].angle)
             return [(0.0, data)]
 
         self.rehearsal.links.faults[wire] = fault
