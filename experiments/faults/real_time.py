@@ -63,7 +63,8 @@ def driven(experiment: Experiment, case: str, run: Path) -> dict[str, float]:
         NotDrivenError: the fault is one that no such drive can have.
         RuntimeError: the fault's place was not reached.
     """
-    configuration = Configuration.model_validate(tomllib.loads(experiment.configurations[case]))
+    task = experiment.tasks(1)[case][0]
+    configuration = Configuration.model_validate(tomllib.loads(task.configuration))
     drives: list[SocketDrive] = []
 
     def drive(configuration, path, seed, _):
@@ -72,8 +73,11 @@ def driven(experiment: Experiment, case: str, run: Path) -> dict[str, float]:
 
     try:
         trial = Trial(configuration, 0, drive)
-        for alteration in experiment.alterations[case]:
+        for alteration in task.alterations:
             alteration.apply(trial)
+        trial.approach()
+        if task.fault is not None:
+            task.fault.apply(trial)
         trial.watch()
     finally:
         for each in drives:
