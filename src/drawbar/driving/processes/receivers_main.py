@@ -4,7 +4,7 @@
 """
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from drawbar.config import load_configuration
 from drawbar.driving.devices.path_frame import local_frame
@@ -31,6 +31,7 @@ from drawbar.machine.hardware.receiver import Receiver
 from drawbar.machine.hardware.sensor_line import SensorLine
 from drawbar.message_records import encode
 from drawbar.messages import Fixes, Role, nanoseconds, seconds
+from drawbar.protocols.gnss.assembly import SPOOFED
 from drawbar.realtime import prepare, say, step_back_when_busy
 from drawbar.recording.drive_records import Happening, Kind, Order, RawBytes
 from drawbar.transports.base import Received, Transport
@@ -68,7 +69,7 @@ def main() -> int:
     navigation = Navigation(receivers, local_frame(configuration), sensors)
     heartbeat, shutdown = HeartbeatSender(Role.RECEIVERS, endpoint, options.socket(GATE)), ShutdownRequest()
     corrections = open_corrections(devices.corrections, clock) if devices.corrections is not None else None
-    news = CorrectionsNews()
+    news, spoofed = CorrectionsNews(), set[Device]()
     for word in prepare(max(configuration.safety.timing.priority - _BELOW_THE_GATE, 0)):
         say(f"receivers: {word}")
     step_back_when_busy(_BUSY, "receivers: bytes come faster than they can be read")
@@ -78,6 +79,8 @@ def main() -> int:
         found = navigation.poll(seconds(now))
         inputs.note_look(now, was_due=was_due, found=bool(found))
         _send(found, endpoint, options)
+        if found:
+            _tell_spoofing(dict(zip(receiver_settings(devices), receivers, strict=True)), spoofed)
         heartbeat.pass_time(now)
         if corrections is not None:
             correct(corrections, clock(), receivers[0], receivers)
@@ -100,6 +103,15 @@ def _send(found: Sequence[Fixes], endpoint: Endpoint, options: ProcessOptions) -
         for reader in (CONTROLLER, CONSOLE):
             endpoint.send(options.socket(reader), record)
         endpoint.send_queued(options.socket(RECORDER), record)
+
+
+def _tell_spoofing(receivers: Mapping[Device, Receiver], told: set[Device]) -> None:
+    """Say once of each receiver that it takes its signals for false ones."""
+    for device, receiver in receivers.items():
+        if device not in told and receiver.dropped[SPOOFED]:
+            told.add(device)
+            name = device.topic.replace("_", " ")
+            say(f"{name}: it reports false satellite signals (spoofing), and counts as without a fix")
 
 
 def _sensors(devices: DeviceSettings, inputs: "InputRecorder") -> SensorLine | None:
