@@ -18,8 +18,9 @@ PATIENCE = 60.0
 """a stream may say nothing for so long while the caster may be waiting for a position that the receiver lacks, s"""
 AT_ONCE = 4096
 """bytes taken at a time, 50 times a second: a hundred times what corrections are, and soon read whatever they are"""
-_IN_TROUBLE = 500
-"""least code of a caster that mends itself"""
+_REFUSALS = (0, *range(400, 500))
+"""codes of a request that a caster refuses; with 3xx a modem's page answers, with 5xx a caster that is in trouble
+itself; 0: it tells none"""
 _ADVICE = {
     Answer.SOURCE_TABLE: "check corrections.mount",
     Answer.NO_MOUNT: "check corrections.mount",
@@ -45,7 +46,7 @@ class Session:
         self.failure = ""
         """why it is over, in words"""
         self.refused = False
-        """only the operator can mend it"""
+        """only the operator can mend it: the caster has understood the request, and does not grant it"""
         self.received = 0
         self.uploads = 0
         self.began_to_flow = math.inf
@@ -105,7 +106,7 @@ class Session:
         if answer is None:
             return b""
         if answer is not Answer.STREAM:
-            self.refused = self._reader.code < _IN_TROUBLE
+            self.refused = self._reader.code in _REFUSALS if answer is Answer.REFUSED else answer is not Answer.NONSENSE
             code = f" ({self._reader.code})" if self._reader.code else ""
             self.failure = f"the caster {answer.value}{code}; {_ADVICE[answer]}"
             return b""
