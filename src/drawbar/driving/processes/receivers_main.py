@@ -3,13 +3,14 @@
 `python -m drawbar.driving.processes.receivers_main`, with its options on standard input.
 """
 
+import math
 import sys
 from collections.abc import Mapping, Sequence
 
 from drawbar.config import load_configuration
 from drawbar.driving.devices.path_frame import local_frame
 from drawbar.driving.devices.receiver_transports import open_receivers, receiver_settings
-from drawbar.driving.messaging.datagrams import Device, pack
+from drawbar.driving.messaging.datagrams import CorrectionsFailure, Device, pack
 from drawbar.driving.messaging.endpoint import Endpoint
 from drawbar.driving.messaging.heartbeat import HeartbeatSender
 from drawbar.driving.messaging.process_options import (
@@ -45,6 +46,8 @@ _BUSY = 0.5
 """without waiting for more bytes: it is flooded with them, and scheduled as any other process from then on, s"""
 _CORRECTIONS = 0.02
 """between two looks at the caster, s"""
+_SHOWN = 0.5
+"""between two words to the console of how the corrections are, s"""
 _TOGETHER = 32
 """looks that are told at once, at most"""
 _ASK_AGAIN = 0.05
@@ -69,7 +72,7 @@ def main() -> int:
     navigation = Navigation(receivers, local_frame(configuration), sensors)
     heartbeat, shutdown = HeartbeatSender(Role.RECEIVERS, endpoint, options.socket(GATE)), ShutdownRequest()
     corrections = open_corrections(devices.corrections, clock) if devices.corrections is not None else None
-    news, spoofed = CorrectionsNews(), set[Device]()
+    news, spoofed, shown = CorrectionsNews(), set[Device](), -math.inf
     for word in prepare(max(configuration.safety.timing.priority - _BELOW_THE_GATE, 0)):
         say(f"receivers: {word}")
     step_back_when_busy(_BUSY, "receivers: bytes come faster than they can be read")
@@ -84,8 +87,12 @@ def main() -> int:
         heartbeat.pass_time(now)
         if corrections is not None:
             correct(corrections, clock(), receivers[0], receivers)
-            for word in news.update(corrections.status(clock())):
+            status = corrections.status(clock())
+            for word in news.update(status):
                 say(f"receivers: {word}")
+            if clock() >= shown + _SHOWN:
+                shown = clock()
+                endpoint.send(options.socket(CONSOLE), pack(CorrectionsFailure(status.failure)))
         watched = [*(each.transport for each in receivers), *([sensors.transport] if sensors else [])]
         descriptors = [each for each in (line.fileno() for line in watched) if each >= 0]
         longest = _CORRECTIONS if corrections is not None else _ASK_AGAIN

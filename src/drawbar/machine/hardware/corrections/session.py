@@ -107,8 +107,9 @@ class Session:
             return b""
         if answer is not Answer.STREAM:
             self.refused = self._reader.code in _REFUSALS if answer is Answer.REFUSED else answer is not Answer.NONSENSE
-            code = f" ({self._reader.code})" if self._reader.code else ""
-            self.failure = f"the caster {answer.value}{code}; {_ADVICE[answer]}"
+            self.failure = f"the caster {answer.value}; {_ADVICE[answer]}"
+            if self._reader.code:
+                self.failure = f"the caster {answer.value} ({self._reader.code}); {_ADVICE[answer]}"
             return b""
         if self.state is CorrectionsState.ASKING:
             self.state = CorrectionsState.LISTENING
@@ -152,13 +153,13 @@ class Session:
             return
         name = f"{self._settings.host}:{self._settings.port}"
         if self._connection.phase is Phase.CLOSED:
-            self.failure = f"{name}: {self._connection.trouble}"
+            self.failure = f"the caster {name}: {self._connection.trouble}"
         elif self._reader.ended:
-            self.failure = f"{name} has ended the stream"
+            self.failure = f"the caster {name} has ended the stream"
         elif now >= self._deadline:
-            self.failure = f"{name}: {self._silence()}"
+            self.failure = f"the caster {name}: {self._silence()}"
         elif now >= self._frame_deadline:
-            self.failure = f"{name} sends bytes, but no intact frame of RTCM 3; check corrections.mount"
+            self.failure = f"the caster {name} sends bytes, but no intact frame of RTCM 3; check corrections.mount"
 
     def _silence(self) -> str:
         """Return what the silence means, in the words of the state it befell."""
