@@ -1,8 +1,8 @@
 """Every fault of this experiment once in real time: real processes, sockets and signals, one drive for each.
 
-`python experiments/faults/real_time.py` drives all variants of one case, by the same alterations, and keeps what came
-of each in real_time.csv beside it, as a table in real_time.md. What is in that file is not driven again, so that Ctrl-C
-may end it at any time, and the next call goes on. A drive takes some 45 s.
+`python experiments/faults/real_time.py` drives all variants of two cases, with boards and on the bus, by the same
+alterations. It keeps what came of each in real_time.csv beside it, and as a table in real_time.md. What is in that file
+is not driven again, so that Ctrl-C may end it at any time, and the next call goes on. A drive takes some 45 s.
 """
 
 import argparse
@@ -33,18 +33,18 @@ from drawbar.safety.causes import BY_CODE
 
 FOLDER = Path(__file__).parent
 KEPT = FOLDER / "real_time.csv"
-CASE = "2 m/s, curve"
+CASES = ("2 m/s, curve", "2 m/s, curve, steered by the bus")
 LONGEST = 400.0
 """of a drive, with its start and its end, s"""
 NUMBERS = {"seen": 2, "released": 2, "stood": 2, "steered, cm": 0, "largest, cm": 0, "late, ms": 0}
 """columns with figures, and their digits"""
-HEADER = ("fault", "expected", "observed", "as expected", "cause", *NUMBERS)
+HEADER = ("case", "fault", "expected", "observed", "as expected", "cause", *NUMBERS)
 NOT_DRIVEN, FAILED = "not driven", 1
 EXPLAINED = """\
 # Faults in real time
 
 Made by `python experiments/faults/real_time.py` ([README.md](README.md)): each fault once, on stand-ins over sockets,
-by real processes, signals and clocks; case "{case}", seed 0. {machine}
+by real processes, signals and clocks; seed 0. {machine}
 
 Times from the fault on, s: until the gate's state changed (seen), until nothing turned a wheel (released), until the
 vehicle stood. The largest distance of either body from the path, cm: while drawbar steers, and until the vehicle
@@ -86,13 +86,19 @@ def driven(experiment: Experiment, case: str, run: Path) -> dict[str, float]:
     return {**figures(SimpleNamespace(columns=columns)), "late": 1e3 * drives[0].late}
 
 
+def named(case: str) -> dict[str, str]:
+    """Return the first cells of a row."""
+    place, _, fault = case.partition(": ")
+    return {"case": place, "fault": fault}
+
+
 def row(experiment: Experiment, case: str, found: Mapping[str, float]) -> dict[str, str]:
     """Return a row of the table."""
     expected = experiment.expected[case]["response"]
     numbers = (found[name] for name in ("detected", "released", "stands", "steered", "largest", "late"))
     cause = found["cause"]
     return {
-        "fault": case.partition(": ")[2],
+        **named(case),
         "expected": allowed(expected),
         "observed": RESPONSES[int(found["response"])],
         "as expected": "yes" if expected.holds(found["response"]) else "no",
@@ -108,7 +114,7 @@ def not_driven(experiment: Experiment, case: str, reason: str) -> dict[str, str]
     """Return the row of a fault that no such drive can have."""
     expected = allowed(experiment.expected[case]["response"])
     return dict.fromkeys(HEADER, "") | {
-        "fault": case.partition(": ")[2],
+        **named(case),
         "expected": expected,
         "observed": NOT_DRIVEN,
         "cause": reason,
@@ -142,24 +148,23 @@ def in_a_process(case: str) -> dict[str, str] | str:
 
 
 def kept_rows(file: Path) -> dict[str, dict[str, str]]:
-    """Return the rows that are there already, by fault."""
+    """Return the rows that are there already, by the names of their cases."""
     if not file.exists():
         return {}
     with file.open(encoding="utf-8", newline="") as lines:
-        return {each["fault"]: each for each in csv.DictReader(lines)}
+        return {f"{each['case']}: {each['fault']}": each for each in csv.DictReader(lines)}
 
 
-def keep(file: Path, case: str, names: list[str], rows: Mapping[str, dict[str, str]]) -> None:
-    """Write all rows, in the order of the experiment, and their table."""
-    ordered = [rows[name] for name in names if name in rows]
+def keep(file: Path, cases: list[str], rows: Mapping[str, dict[str, str]]) -> None:
+    """Write the rows of cases, in their order, and the table."""
+    ordered = [rows[case] for case in cases if case in rows]
     with file.open("w", encoding="utf-8", newline="") as lines:
         writer = csv.DictWriter(lines, HEADER, lineterminator="\n")
         writer.writeheader()
         writer.writerows(ordered)
     counted = [each for each in ordered if each["observed"] != NOT_DRIVEN]
-    left = len(names) - len(ordered)
+    left = len(cases) - len(ordered)
     text = EXPLAINED.format(
-        case=case,
         machine=f"{os.cpu_count()} cores of an {processor()}, {date.today()}.",
         driven=len(counted),
         held=sum(each["as expected"] == "yes" for each in counted),
@@ -170,14 +175,14 @@ def keep(file: Path, case: str, names: list[str], rows: Mapping[str, dict[str, s
     file.with_suffix(".md").write_text(text + "".join(f"| {' | '.join(cells)} |\n" for cells in table), "utf-8")
 
 
-def drive_all(experiment: Experiment, prefix: str, wanted: list[str], file: Path, jobs: int) -> int:
-    """Drive faults, so many at once, and keep the rows; return an exit code."""
-    names = [case.partition(": ")[2] for case in experiment.configurations if case.startswith(f"{prefix}: ")]
+def drive_all(experiment: Experiment, wanted: list[str], file: Path, jobs: int) -> int:
+    """Drive the cases whose names hold one of some texts, so many at once, and keep the rows; return an exit code."""
+    cases = [case for case in experiment.configurations if named(case)["case"] in CASES]
     rows = kept_rows(file)
-    due = [name for name in names if name not in rows and any(text in name for text in wanted or [""])]
+    due = [case for case in cases if case not in rows and any(text in case for text in wanted or [""])]
     failed = 0
     with ThreadPoolExecutor(jobs) as pool:
-        coming = {pool.submit(in_a_process, f"{prefix}: {name}"): name for name in due}
+        coming = {pool.submit(in_a_process, case): case for case in due}
         try:
             for number, each in enumerate(as_completed(coming), 1):
                 found, place = each.result(), f"{number} of {len(due)}: {coming[each]}"
@@ -186,7 +191,7 @@ def drive_all(experiment: Experiment, prefix: str, wanted: list[str], file: Path
                     print(f"{place}: not driven, {found}", flush=True)
                     continue
                 rows[coming[each]] = found
-                keep(file, prefix, names, rows)
+                keep(file, cases, rows)
                 failed += found["as expected"] == "no"
                 held = f", NOT EXPECTED, but {found['expected']}" if found["as expected"] == "no" else ""
                 print(f"{place}: {found['observed']}{held}; {found['cause']} {found['seen']}", flush=True)
@@ -200,8 +205,7 @@ def drive_all(experiment: Experiment, prefix: str, wanted: list[str], file: Path
 def main() -> int:
     """Drive what is asked for."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--only", action="append", default=[], metavar="TEXT", help="faults whose names hold this text")
-    parser.add_argument("--case", default=CASE, help=f"speed and place (default: {CASE})")
+    parser.add_argument("--only", action="append", default=[], metavar="TEXT", help="cases whose names hold this text")
     parser.add_argument("--jobs", type=int, default=1, help="drives at once (each takes half a core)")
     parser.add_argument(
         "--out", type=Path, default=KEPT, help=f"table of results (default: {KEPT.name} beside this file)"
@@ -211,7 +215,7 @@ def main() -> int:
     experiment = load_experiment(FOLDER)
     if asked.one:
         return drive_one(experiment, asked.one)
-    return drive_all(experiment, asked.case, asked.only, asked.out, asked.jobs)
+    return drive_all(experiment, asked.only, asked.out, asked.jobs)
 
 
 if __name__ == "__main__":

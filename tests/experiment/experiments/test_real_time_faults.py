@@ -12,7 +12,7 @@ import pytest
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="drives are for Linux")
 COMMAND = [sys.executable, str(Path(__file__).parents[3] / "experiments" / "faults" / "real_time.py")]
-FAULT = "C5 C11 C14 controller's process ends"
+FAULT = "2 m/s, curve: C5 C11 C14 controller's process ends"
 
 
 def started(folder, *options):
@@ -52,11 +52,12 @@ def test_a_fault_is_driven_once_and_kept(tmp_path):
 
 
 def test_a_fault_that_no_such_drive_can_have_is_told_with_its_reason(tmp_path):
-    with started(tmp_path, "--only", "S29 yaw rate reversed") as command:
+    with started(tmp_path, "--only", "curve: S29 yaw rate reversed") as command:
         command.communicate()
-    assert "| S29 yaw rate reversed | drives on | not driven |  | stand-ins have no yaw-rate sensor |" in (
-        tmp_path / "kept.md"
-    ).read_text("utf-8")
+    assert (
+        "| 2 m/s, curve | S29 yaw rate reversed | drives on | not driven |  | stand-ins have no yaw-rate sensor |"
+        in (tmp_path / "kept.md").read_text("utf-8")
+    )
 
 
 def test_an_interrupt_ends_all_processes(tmp_path):
