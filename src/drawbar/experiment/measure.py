@@ -85,8 +85,8 @@ def _refusal(outcome: Result | Failure) -> str:
 def _compile(client: Client, tasks: Iterable[Task], progress: RunsProgress) -> None:
     """Compile what the runs will need; what cannot be built here fails, and says so, in its runs."""
     needed: dict[str, str] = {}
-    for task in tasks:
-        needed.setdefault(solver_sections(task.configuration), task.configuration)
+    for configuration in {task.configuration for task in tasks}:
+        needed.setdefault(solver_sections(configuration), configuration)
     progress.begin("solvers", len(needed))
     arguments = {digest(source_digest(), sections): configuration for sections, configuration in needed.items()}
     for _ in call_all(client, compile_solvers, arguments):

@@ -117,25 +117,26 @@ class Trial:
 
     def watch(self) -> None:
         """Put the fault in, and watch what comes of it."""
-        rehearsal = self.rehearsal
+        rehearsal, way, rested = self.rehearsal, 0.0, 0.0
         self._beyond = 0
         start, before = rehearsal.time, self._counts()
         for body in BODIES:
             self._judge_set_points(body)
+        self._keep(0.0, way, before)
         self.begin()
-        way, rested = 0.0, 0.0
         while rehearsal.time < start + self.watched and rested < _RESTS:
             self._advance()
             truth = rehearsal.machine.world.truth
             way += truth.speed * STEP * 1e-9
             rests = abs(truth.speed) < 0.02 and not self._steered and self.place > -math.inf
             rested = rested + STEP * 1e-9 if rests else 0.0
-            counts = [after - count for after, count in zip(self._counts(), before, strict=True)]
-            self._keep((rehearsal.time - start, *self._state(), truth.speed, way, *self._errors, self._beyond,
-                *counts, float(self._records[-1].flags) if self._records else 0.0))  # fmt: skip
+            self._keep(rehearsal.time - start, way, before)
 
-    def _keep(self, row: tuple[float, ...]) -> None:
-        """Keep a row of WATCHED, if it tells something that the last one does not."""
+    def _keep(self, since: float, way: float, before: Sequence[int]) -> None:
+        """Keep a row of WATCHED, if it tells something that the last one does not; `before`: counts at the fault."""
+        speed, flags = self.rehearsal.machine.world.truth.speed, self._records[-1].flags if self._records else 0
+        counts = [after - count for after, count in zip(self._counts(), before, strict=True)]
+        row = (since, *self._state(), speed, way, *self._errors, self._beyond, *counts, float(flags))
         last = self._rows[-1] if self._rows else None
         if last is None or row[0] > last[0] + _MOVING - STEP * 0.5e-9 or any(row[i] != last[i] for i in _EVENTS):
             self._rows.append(row)
