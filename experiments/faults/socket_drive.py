@@ -112,7 +112,7 @@ class SocketDrive:
     @property
     def gate(self) -> NoReturn:
         """Raise NotDrivenError: the gate's inside is another process's."""
-        raise NotDrivenError("the computer would have to be suspended")
+        raise NotDrivenError("it changes the inside of the gate, here a process of its own")
 
     @property
     def loop(self) -> NoReturn:
