@@ -30,7 +30,7 @@ RELEASED = {SupervisorState.FAULT, SupervisorState.OVERRIDE, SupervisorState.EST
 NO_FAULT = "no fault"
 SLOW = ("0.5 m/s", "1 m/s", "2 m/s")
 """speeds at which a fault may cost 0.30 m"""
-BUS = "driven by the bus"
+BUS = "by the bus"
 """cases in which the tractor keeps the speed that drawbar commands"""
 LONG = "nominal"
 """cases without a fault, driven for long"""

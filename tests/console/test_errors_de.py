@@ -4,6 +4,7 @@ import ast
 import errno
 import math
 import os
+import re
 from pathlib import Path
 
 import pytest
@@ -19,6 +20,8 @@ from drawbar.console.words import Words
 from drawbar.errors import DrawbarError
 from drawbar.fields.exchange import take_in
 from drawbar.geometry import LocalFrame
+from drawbar.protocols.ntrip import Answer
+from drawbar.transports.connection import Phase
 
 SOURCE = Path(drawbar.__file__).parent
 MET = (
@@ -146,6 +149,21 @@ def test_every_refusal_of_a_calibration_is_in_german_too(place):
     found = [text for text in texts(ast.parse((SOURCE / place).read_text("utf-8"))) if " " in text.strip()]
     assert found
     assert [text for text in found if text not in ERRORS_DE] == []
+
+
+def test_every_reason_for_missing_corrections_is_in_german_too():
+    session = SOURCE / "machine/hardware/corrections/session.py"
+    told = {text for text in texts(ast.parse(session.read_text("utf-8"))) if re.match("the caster |no |check ", text)}
+    told |= {each.value for each in Answer if each is not Answer.STREAM}
+    told |= {each.value for each in (Phase.RESOLVING, Phase.CONNECTING, Phase.SECURING)}
+    assert len(told) > 15
+    assert told - set(ERRORS_DE) == set()
+    english = "the caster refuses the user name or the password (401); check what corrections.credentials leads to"
+    assert GERMAN(english).startswith("der Caster lehnt Benutzernamen oder Passwort ab (401); prüfen, wohin")
+    assert (
+        GERMAN("the caster rtk.example.org:2101: no byte for 10 s")
+        == "der Caster rtk.example.org:2101: 10 s lang kein Byte"
+    )
 
 
 def test_no_german_text_is_of_an_error_that_is_not_there():

@@ -10,8 +10,10 @@ pytest.importorskip("shapefile", reason="the extra `console` is not installed")
 
 from console_stage import Stage
 
+from drawbar.console.link import STALE
 from drawbar.console.view import board, picture
 from drawbar.console.words import Words
+from drawbar.driving.messaging.datagrams import CorrectionsFailure, pack
 from drawbar.messages import SupervisorState
 from drawbar.safety.causes import Cause
 from drawbar.statuses import Status
@@ -100,6 +102,23 @@ def test_what_the_controller_tells_of_sensors_is_said_with_what_to_do(stage, wor
     assert shown.reasons[-2:] == (words.cause(Cause.YAW_REJECTED), words.cause(Cause.RECEIVER_SILENT))
     listed = 3 if state is SupervisorState.STOPPED else 2  # there also what to press
     assert f"({listed})" in shown.heading or state is SupervisorState.READY
+
+
+def test_why_no_corrections_come_is_shown_while_somebody_says_so(stage):
+    told = "the caster has no such mount point (404); check corrections.mount"
+    stage.receive_controller()
+    stage.link.receive(pack(CorrectionsFailure(told)))
+    shown = board(stage.link.gate, DE, stale=False, mine=True, holder="a", drives=True,
+                  corrections=stage.link.corrections_failure)  # fmt: skip
+    assert shown.reasons[-1] == (
+        "Es kommen keine Korrekturen.",
+        "der Caster kennt diesen Mountpoint nicht (404); corrections.mount prüfen",
+    )
+    stage.link.receive(pack(CorrectionsFailure("")))
+    assert stage.link.corrections_failure == ""
+    stage.link.receive(pack(CorrectionsFailure(told)))
+    stage.now += STALE + 1
+    assert stage.link.corrections_failure == ""
 
 
 @pytest.mark.parametrize("words", [EN, DE], ids=["en", "de"])

@@ -46,6 +46,14 @@ def test_every_case_is_driven_in_every_variant(write_experiment: Write, two_case
     }
 
 
+def test_a_variant_may_be_of_those_cases_only_that_name_it(write_experiment: Write) -> None:
+    experiment = write_experiment(
+        'title = "x"\ncases = [{ name = "paper", variants = ["a", "b"] }, { name = "articulated" }]\n'
+        'variants = [{ name = "a" }, { name = "b", only_named = true }]'
+    )
+    assert list(experiment.configurations) == ["paper: a", "paper: b", "articulated: a"]
+
+
 def test_a_case_may_be_driven_in_some_variants_only(write_experiment: Write) -> None:
     experiment = write_experiment(
         'title = "x"\ncases = [{ name = "paper", variants = ["b"] }, { name = "articulated" }]\n'

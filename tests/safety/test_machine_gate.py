@@ -162,6 +162,23 @@ def test_a_refused_record_keeps_from_engaging_for_a_while():
     assert Cause.COMMAND_REFUSED.value not in bench.shown.refusals
 
 
+def test_a_command_that_comes_while_a_busy_bus_is_read_is_taken_at_the_next_look():
+    bench = driving()
+    refused, read, later = bench.shown.rejects, bench.transport.read, bench.time + 0.02
+
+    def takes_20_ms():
+        bench.transport.read = read
+        bench.channel.waiting.append(bench.command_record(time=bench.ns(later), valid_until=bench.ns(later + 0.2)))
+        return read()
+
+    bench.transport.read = takes_20_ms
+    bench.gate.receive(bench.time)
+    assert bench.gate.receive(later), "it is taken"
+    bench.run(0.1)
+    assert bench.shown.rejects == refused
+    assert bench.state is SupervisorState.ACTIVE
+
+
 def test_a_look_is_urgent_only_while_it_steers():
     bench = Bench().ready()
     bench.ask(Action.STOP)

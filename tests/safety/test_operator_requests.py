@@ -102,6 +102,7 @@ def test_a_message_counts_once_and_while_it_is_fresh():
     assert table.ask(Action.PRESENT, nonce=6, lease=0) is Cause.REPLAYED
     assert table.ask(Action.PRESENT, nonce=0, lease=9) is Cause.REPLAYED
     assert table.ask(Action.PRESENT, nonce=6, age=0.99) is None
+    assert table.ask(Action.PRESENT, nonce=7, age=-0.004) is None, "made while the gate already looks"
 
 
 def test_sessions_are_remembered_up_to_a_number_the_silent_ones_forgotten_first():

@@ -25,8 +25,13 @@ def stopped(trial, part, seconds=math.inf):
     trial.begin = begin
 
 
+def ended(trial, part):
+    """Let a part end."""
+    trial.begin = lambda: trial.rehearsal.end(part)
+
+
 def controller_ends(trial):
-    trial.begin = trial.rehearsal.end_controller
+    ended(trial, Part.CONTROLLER)
 
 
 def controller_freezes(trial):
@@ -75,12 +80,24 @@ def receivers_freeze(trial):
     stopped(trial, Part.RECEIVERS)
 
 
-def recorder_gone(trial):
+def receivers_end(trial):
+    ended(trial, Part.RECEIVERS)
+
+
+def guard_freezes(trial):
+    stopped(trial, Part.GUARD)
+
+
+def recorder_freezes(trial):
     stopped(trial, Part.RECORDER)
 
 
+def recorder_gone(trial):
+    ended(trial, Part.RECORDER)
+
+
 def gate_gone(trial):
-    stopped(trial, Part.GATE)
+    ended(trial, Part.GATE)
 
 
 def gate_freezes_for_1_s(trial):
@@ -95,7 +112,7 @@ def suspended(trial):
 
 
 def operator_gone(trial):
-    stopped(trial, Part.OPERATOR)
+    ended(trial, Part.OPERATOR)
 
 
 def operator_stops(trial):

@@ -1,11 +1,13 @@
 """What receivers report."""
 
+import struct
 from dataclasses import replace
 from datetime import timedelta
 
 from drawbar.machine.stand_in.breaking import freeze, moved, report_otherwise
 from drawbar.machine.stand_in.machine import BODIES
 from drawbar.machine.stand_in.receiver import of_quality
+from drawbar.machine.stand_in.ubx import frame
 from drawbar.signals import FixQuality
 
 
@@ -101,6 +103,17 @@ def zero_deviation(trial):
 
 def antennas_swapped(trial):
     trial.device("receivers-swapped")
+
+
+def spoofing_reported(trial, bodies=BODIES):
+    """Let receivers say that their signals are false ones: UBX NAV-STATUS, spoofing found."""
+    status = frame(0x01, 0x03, struct.pack("<IBBBBII", 0, 3, 1, 0, 2 << 3, 0, 0))
+    links = [f"{body} receiver" for body in bodies]
+    trial.alter_links(links, lambda chance, start: lambda now, data: [(0.0, data + status)])
+
+
+def spoofing_reported_by_one(trial):
+    spoofing_reported(trial, BODIES[:1])
 
 
 def midnight(trial):

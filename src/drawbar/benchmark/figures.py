@@ -74,7 +74,7 @@ def _some(times: Sequence[float] | Floats) -> dict[str, float] | None:
 def machine() -> dict[str, str]:
     """Return what the figures were measured on."""
     return {
-        "processor": _processor(),
+        "processor": processor(),
         "system": platform.platform(),
         "compiler": compiler_identity(),
         "python": platform.python_version(),
@@ -102,7 +102,8 @@ def on_one_core() -> Iterator[None]:
         os.sched_setaffinity(0, allowed)
 
 
-def _processor() -> str:
+def processor() -> str:
+    """Return what the system calls this computer's processor."""
     try:
         lines = Path("/proc/cpuinfo").read_text("utf-8").splitlines()
         return next(line.partition(":")[2].strip() for line in lines if line.startswith("model name"))

@@ -30,7 +30,7 @@ def missing(devices: DeviceSettings | None) -> set[str]:
     sensors = devices.sensors
     found = {
         "trailer_receiver": devices.trailer_receiver is None,
-        "hitch_sensor": sensors is None or not sensors.hitch_counts,
+        "hitch_sensor": sensors is None or not sensors.measures_hitch,
         "wheel_sensor": sensors is None or sensors.pulses_per_metre is None,
     }
     return {name for name, is_missing in found.items() if is_missing}

@@ -64,6 +64,7 @@ class DrivePage:
             drives=self._visitor.may_drive,
             speed=link.speed,
             controller=link.controller,
+            corrections=link.corrections_failure,
         )
         if shown != self._shown:
             self._show(shown)

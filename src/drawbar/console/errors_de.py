@@ -306,4 +306,38 @@ ERRORS_DE: Mapping[str, str] = {
     "at most {} m is allowed; lower speed or sample_time, or correct the wheelbase":
         "mit {0} m/s fährt das Fahrzeug {1} m je sample_time = {2} s, zu weit für den Radstand von {3} m: höchstens "
         "{4} m sind erlaubt; Tempo oder sample_time senken, oder den Radstand richtigstellen",
+    # why no corrections come
+    "the caster {} ({}); {}": "der Caster {0} ({1}); {2}",
+    "the caster {}; {}": "der Caster {0}; {1}",
+    "the caster {}: {}": "der Caster {0}: {1}",
+    "the caster {} has ended the stream": "der Caster {0} hat den Strom beendet",
+    "the caster {} sends bytes, but no intact frame of RTCM 3; check corrections.mount":
+        "der Caster {0} schickt Bytes, aber keinen heilen Rahmen von RTCM 3; corrections.mount prüfen",
+    "the caster takes no bytes": "der Caster nimmt keine Bytes an",
+    "sends its table of mount points instead of corrections":
+        "schickt seine Liste der Mountpoints statt Korrekturen",
+    "refuses the user name or the password": "lehnt Benutzernamen oder Passwort ab",
+    "has no such mount point": "kennt diesen Mountpoint nicht",
+    "refuses the request": "lehnt die Anfrage ab",
+    "answers something that is not NTRIP": "antwortet etwas, das nicht NTRIP ist",
+    "check corrections.mount": "corrections.mount prüfen",
+    "check what corrections.credentials leads to": "prüfen, wohin corrections.credentials führt",
+    "check corrections.version, and ask the caster's operator":
+        "corrections.version prüfen und den Betreiber des Casters fragen",
+    "check corrections.host, port and tls": "corrections.host, port und tls prüfen",
+    "no connection within {} s while {}": "keine Verbindung innerhalb von {0} s ({1})",
+    "looking up the name": "beim Suchen des Namens",
+    "connecting": "beim Verbinden",
+    "agreeing on TLS": "beim Aushandeln von TLS",
+    "no answer within {} s": "keine Antwort innerhalb von {0} s",
+    "no byte for {} s; it may be waiting for a position, and the receiver has no fix":
+        "{0} s lang kein Byte; vielleicht wartet er auf eine Position, und der Empfänger hat keinen Fix",
+    "no byte for {} s": "{0} s lang kein Byte",
+    "the name {} is not found ({})": "der Name {0} wird nicht gefunden ({1})",
+    "the other end has closed the connection": "die Gegenstelle hat die Verbindung beendet",
+    "the other end takes no more bytes": "die Gegenstelle nimmt keine Bytes mehr an",
+    "Connection refused": "Verbindung abgelehnt",
+    "Connection reset by peer": "Verbindung von der Gegenstelle abgebrochen",
+    "Network is unreachable": "Netz nicht erreichbar",
+    "No route to host": "kein Weg zu diesem Rechner",
 }  # fmt: skip

@@ -14,7 +14,7 @@ from drawbar.console.session import Session
 from drawbar.console.signal_history import ShownStep
 from drawbar.console.surveyor import Surveyor
 from drawbar.console.visitors import MOST, Visitor
-from drawbar.driving.messaging.datagrams import EstimateDeviations, PackedStep, unpack
+from drawbar.driving.messaging.datagrams import CorrectionsFailure, EstimateDeviations, PackedStep, unpack
 from drawbar.driving.operator.requests import Operator
 from drawbar.driving.preparation.push_calibration import STOPPED, PushCalibration
 from drawbar.machine.hardware.bare_valve import Motion
@@ -65,6 +65,7 @@ class Link:
         self.steps: deque[ShownStep] = deque(maxlen=_STEPS)
         """the newest control steps"""
         self._fixes: Fixes | None = None
+        self._corrections, self._corrections_told = "", 0
         self.devices = DeviceRates()
         self.surveyor = Surveyor(vehicle.masts.tractor, vehicle.wheelbase, clock)
         self.hand_log = HandLog()
@@ -117,6 +118,11 @@ class Link:
         fresh = self._fixes is not None and self.clock() - self._fixes.time <= STALE
         return self._fixes if fresh else None
 
+    @property
+    def corrections_failure(self) -> str:
+        """Why no corrections come, and what to do; empty: they come, or nobody says."""
+        return self._corrections if self.clock() - self._corrections_told <= STALE else ""
+
     def motion(self) -> Motion:
         """Return how the tractor moves, by its receiver."""
         return self._motion
@@ -129,6 +135,9 @@ class Link:
             return
         if isinstance(datagram, EstimateDeviations):
             self._deviations = datagram.deviations
+            return
+        if isinstance(datagram, CorrectionsFailure):
+            self._corrections, self._corrections_told = datagram.text, self.clock()
             return
         message = decode(data, GateState, ControllerState, Fixes)
         if isinstance(message, GateState):

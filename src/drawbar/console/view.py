@@ -75,6 +75,7 @@ def board(
     drives: bool,
     speed: float = math.nan,
     controller: ControllerState | None = None,
+    corrections: str = "",
 ) -> Board:
     """Return the board of one visitor.
 
@@ -87,6 +88,7 @@ def board(
         drives: the visitor may do more than look and stop.
         speed: of the vehicle, m/s; NaN: not known.
         controller: its newest state; None: not known.
+        corrections: why none come; empty: they do, or it is not known.
     """
     if gate is None or stale:
         return _no_contact(words)
@@ -97,6 +99,7 @@ def board(
     if latched and drives:
         reasons = ((words("next_override" if state is SupervisorState.OVERRIDE else "next_latched"), ""), *reasons)
     reasons += tuple(map(words.cause, notices(controller, gate)))
+    reasons += ((words("no_corrections"), words.message(corrections)),) if corrections else ()
     return Board(
         word=words(state.name),
         symbol=_SYMBOLS[state],

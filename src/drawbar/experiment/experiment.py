@@ -82,6 +82,8 @@ class Variant(Settings):
     """where runs are rehearsed, the variant's alteration is applied before the run begins, not at the fault's place"""
     expected: Mapping[str, Expectation] = {}
     """by name of the figure: of it in every variant of the case, or of every case in the variant"""
+    only_named: bool = False
+    """of a variant: driven only in cases that name it among their variants"""
 
 
 class Case(Variant):
@@ -286,7 +288,7 @@ def _driven(folder: Path, settings: ExperimentSettings) -> dict[str, tuple[Case,
     """Return every case with every variant that it is driven in, by name."""
     driven: dict[str, tuple[Case, Variant]] = {}
     for case, variant in product(settings.cases, settings.variants or (Variant(name=""),)):
-        if case.variants and variant.name not in case.variants:
+        if (case.variants or variant.only_named) and variant.name not in case.variants:
             continue
         name = f"{case.name}: {variant.name}" if variant.name else case.name
         if name in driven:

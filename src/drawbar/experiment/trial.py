@@ -12,6 +12,7 @@ from drawbar.config import Configuration
 from drawbar.driving.stand_in.rehearsal import STEP, Rehearsal
 from drawbar.driving.stand_in.simulated_links import LinkFault
 from drawbar.geometry import Floats, wrap
+from drawbar.guidance.path import Path
 from drawbar.machine.stand_in.faults import FAULTS
 from drawbar.machine.stand_in.machine import BODIES
 from drawbar.messages import SupervisorState
@@ -20,6 +21,7 @@ from drawbar.protocols.agopengps.steering import decode_steer
 from drawbar.recording.header import run_header
 from drawbar.recording.log import Outcome, RunLog
 from drawbar.safety.envelope import Bounds, Envelope
+from drawbar.safety.settings import SafetySettings
 from drawbar.signals import Pose, StepRecord
 from drawbar.simulation import build_path
 
@@ -37,7 +39,7 @@ WATCHED = (
     *("time", "state", "cause", "driving", "speed", "way", "tractor", "trailer", "beyond", "clips", "rejects"),
     *("dropped", "flags"),
 )
-"""columns `watch.NAME`: s since the fault; SupervisorState; code of its cause; boards that turn their wheel; m/s; m
+"""columns `watch.NAME`: s since the fault; SupervisorState; code of its cause; steerings that follow set points; m/s; m
 since the fault; signed distances of both bodies from the path, m; set points on the wire beyond the envelope; the
 gate's counts since the fault; flags of the control step"""
 _EVENTS = tuple(WATCHED.index(name) for name in ("state", "cause", "driving", "beyond"))
@@ -46,19 +48,25 @@ _EVENTS = tuple(WATCHED.index(name) for name in ("state", "cause", "driving", "b
 class Trial:
     """What alterations of a rehearsal are given; they say what happens, where, and for how long it is watched."""
 
-    def __init__(self, configuration: Configuration, seed: int) -> None:
+    def __init__(
+        self,
+        configuration: Configuration,
+        seed: int,
+        drive: Callable[[Configuration, Path, int, SafetySettings], Rehearsal] = Rehearsal,
+    ) -> None:
         """Build the rehearsal.
 
         Args:
             configuration: of the run.
             seed: of everything random.
+            drive: returns what is watched, given what a Rehearsal is.
 
         Raises:
             DrawbarError: it cannot be built.
         """
         self.configuration, self.seed = configuration, seed
         self.path, self._drivable = build_path(configuration)
-        self.rehearsal = Rehearsal(configuration, self.path, seed, configuration.safety)
+        self.rehearsal = drive(configuration, self.path, seed, configuration.safety)
         self.place = -math.inf
         """arc length of the tractor at which the fault begins, once the vehicle is steered, m; -inf: at the start"""
         self.begin: Callable[[], None] = lambda: None
@@ -110,6 +118,7 @@ class Trial:
     def watch(self) -> None:
         """Put the fault in, and watch what comes of it."""
         rehearsal, way, rested = self.rehearsal, 0.0, 0.0
+        self._beyond = 0
         start, before = rehearsal.time, self._counts()
         for body in BODIES:
             self._judge_set_points(body)
@@ -148,12 +157,15 @@ class Trial:
 
     @property
     def _steered(self) -> bool:
-        return any(board.driving for board, _ in self.rehearsal.machine.boards.values())
+        return self.rehearsal.machine.driving > 0
 
     def _advance(self) -> None:
         for record, truth in self.rehearsal.run(STEP * 1e-9):
             self._records.append(replace(record, truth=truth))
-        truth = self.rehearsal.machine.world.truth
+        can, truth = self.rehearsal.machine.can, self.rehearsal.machine.world.truth
+        for body, angle in can.set_points().items() if can else ():
+            if angle is not None:
+                self._judge(body, angle)
         for i, pose in enumerate((truth.tractor, truth.trailer)):
             self._near[i], self._errors[i] = self._project(pose, self._near[i])
 
@@ -163,24 +175,28 @@ class Trial:
 
     def _state(self) -> tuple[float, float, float]:
         state = self.rehearsal.gate_state
-        driving = sum(board.driving for board, _ in self.rehearsal.machine.boards.values())
-        return (float(state.state if state else SupervisorState.BOOT), float(state.cause if state else 0), driving)
+        cause = float(state.cause if state else 0)
+        return (float(state.state if state else SupervisorState.BOOT), cause, self.rehearsal.machine.driving)
 
     def _counts(self) -> tuple[int, int, int]:
         state = self.rehearsal.gate_state
         return (state.clips, state.rejects, state.dropped) if state else (0, 0, 0)
 
+    def _judge(self, body: str, angle: float) -> None:
+        """Count a set point that is beyond the envelope at the speed that the vehicle truly has."""
+        speed = max(self.rehearsal.machine.world.truth.speed - 0.1, 0.0)
+        limit = self._envelope.angle_cap(speed) if body == "tractor" else self._trailer_limit
+        self._beyond += not abs(wrap(angle)) <= limit + _SAME
+
     def _judge_set_points(self, body: str) -> None:
-        """Count set points that leave the gate and are beyond the envelope at the speed that the vehicle truly has."""
+        """Judge set points that leave the gate for a board."""
         wire = f"{body} set point"
 
         def fault(now: float, data: bytes) -> list[tuple[float, bytes]]:
             frame = parse(data)
             decoded = decode_steer(frame) if isinstance(frame, Frame) else None
             if decoded is not None and decoded[0].steer:
-                speed = max(self.rehearsal.machine.world.truth.speed - 0.1, 0.0)
-                limit = self._envelope.angle_cap(speed) if body == "tractor" else self._trailer_limit
-                self._beyond += not abs(wrap(decoded[0].angle)) <= limit + _SAME
+                self._judge(body, decoded[0].angle)
             return [(0.0, data)]
 
         self.rehearsal.links.faults[wire] = fault

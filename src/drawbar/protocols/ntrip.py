@@ -53,6 +53,8 @@ class Answer(Enum):
     NONSENSE = "answers something that is not NTRIP"
 
 
+_BY_CONTENT = {b"gnss/sourcetable": Answer.SOURCE_TABLE, b"text/html": Answer.NONSENSE}
+"""by the type that HTTP's headers tell; a page is that of a modem, or of a network that asks for a login first"""
 _BY_CODE = {200: Answer.STREAM, 401: Answer.NO_LOGIN, 403: Answer.NO_LOGIN, 404: Answer.NO_MOUNT}
 
 
@@ -126,8 +128,8 @@ class ReplyReader:
             return
         lines = [line.partition(b":") for line in head[1].lower().splitlines()[1:]]
         headers = {name.strip(): value.strip() for name, _, value in lines}
-        table = headers.get(b"content-type", b"").startswith(b"gnss/sourcetable")
-        self.answer, self._in_body = (Answer.SOURCE_TABLE if table else Answer.STREAM), True
+        kind = headers.get(b"content-type", b"").partition(b";")[0].strip()
+        self.answer, self._in_body = _BY_CONTENT.get(kind, Answer.STREAM), True
         self._chunks = ChunkReader() if headers.get(b"transfer-encoding", b"").endswith(b"chunked") else None
         del self._held[: head.end()]
 

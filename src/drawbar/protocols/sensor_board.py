@@ -10,7 +10,7 @@ from collections import Counter
 from dataclasses import dataclass
 
 from drawbar.protocols.own_sentence import SentenceReader, own_sentence, whole_number
-from drawbar.protocols.sensors import Encoder, Potentiometer, SensorFault, WheelSpeed
+from drawbar.protocols.sensors import AngleSensor, Encoder, SensorFault, WheelSpeed
 
 _WRAP = 2**32
 """ms"""
@@ -33,7 +33,7 @@ class SensorReport:
 class SensorBoard:
     """One board's bytes in, reports out. Whatever comes, nothing raises; `dropped` counts what was not understood."""
 
-    def __init__(self, hitch: Potentiometer | None, encoder: Encoder | None) -> None:
+    def __init__(self, hitch: AngleSensor | None, encoder: Encoder | None) -> None:
         """Take the calibration of the sensors that it has."""
         self._hitch, self._wheel = hitch, WheelSpeed(encoder) if encoder else None
         self._sentences = SentenceReader("PDBS")

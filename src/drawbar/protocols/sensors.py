@@ -151,6 +151,9 @@ class InductiveSensor:
         return Reading(value=c0 + counts * (c1 + counts * (c2 + counts * c3)))
 
 
+AngleSensor = Potentiometer | InductiveSensor
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Encoder:
     """A wheel encoder's constants. Raises ConfigurationError where they cannot be any."""

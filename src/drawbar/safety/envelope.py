@@ -15,7 +15,7 @@ from drawbar.messages import CommandMessage, nanoseconds, seconds
 from drawbar.safety.settings import SafetySettings
 
 AHEAD = 0.005
-"""by which a command may be younger than `now`, s: it may be made while the gate already looks"""
+"""by which a command or a request may be younger than `now`, s: it may be made while the gate already looks"""
 LOST = 10
 """records of the controller that may be missing in a row, modulo 2³²"""
 SEQUENCES = 2**32

@@ -57,9 +57,12 @@ class Gate:
         self._suspended_before = suspended_time()
 
     def receive(self, now: float) -> bool:
-        """Take in all that has arrived; return whether to tick before it is due: a new command does not wait."""
-        self.wires.receive()
+        """Take in all that has arrived; return whether to tick before it is due: a new command does not wait.
+
+        The wires come last: reading a busy bus takes a while, and what is said meanwhile would be of the future.
+        """
         urgent = self._receive_controller(now) | self._receive_operators(now)
+        self.wires.receive()
         return self.engagement.steers and (urgent or not self.watch.command_valid(now))
 
     def _receive_controller(self, now: float) -> bool:

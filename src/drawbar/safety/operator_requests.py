@@ -10,6 +10,7 @@ from collections import deque
 from drawbar.messages import Action, OperatorMessage, seconds
 from drawbar.safety.causes import Cause
 from drawbar.safety.engagement import Engagement
+from drawbar.safety.envelope import AHEAD
 from drawbar.safety.settings import SafetySettings
 
 SESSIONS = 16
@@ -85,7 +86,7 @@ class OperatorRequests:
         if action in ALWAYS:
             return None
         fresh = (
-            seconds(message.time)
+            seconds(message.time) - AHEAD
             <= time
             <= min(seconds(message.valid_until), seconds(message.time) + self._settings.engage.seen)
         )

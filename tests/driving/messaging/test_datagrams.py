@@ -2,7 +2,7 @@
 
 import pytest
 
-from drawbar.driving.messaging.datagrams import EstimateDeviations, PackedStep, pack, unpack
+from drawbar.driving.messaging.datagrams import CorrectionsFailure, EstimateDeviations, PackedStep, pack, unpack
 from drawbar.recording.drive_records import Happening, Kind, Order, RawBytes
 from drawbar.transports.tapped import Direction
 
@@ -15,6 +15,8 @@ from drawbar.transports.tapped import Direction
         Order((Happening(kind=Kind.LOOK, time=1), Happening(kind=Kind.FIXES, time=2**45, sequence=2**32 - 1))),
         PackedStep(time=2**40, data=b'{"step":1}'),
         EstimateDeviations({"tractor_slip": 0.015625}),
+        CorrectionsFailure("the caster sends \u201enothing\u201c; check corrections.mount"),
+        CorrectionsFailure(""),
     ],
 )
 def test_datagrams_arrive_as_they_were_sent(datagram):
@@ -30,6 +32,7 @@ def test_datagrams_arrive_as_they_were_sent(datagram):
         b"DBo\0",
         b"DBo\0" + bytes(14),
         b"DBv\0[1]",
+        b"DBc\0\xff",
         b"DBr\0" + bytes(8) + b"\xff\x00",
         b"x" * 40,
     ],

@@ -21,6 +21,7 @@ from drawbar.driving.preparation.hand_calibration import board_counts, calibrate
 from drawbar.driving.preparation.hand_drive import HandDrive
 from drawbar.driving.stand_in.demonstration import with_stand_ins
 from drawbar.errors import ConfigurationError
+from drawbar.machine.hardware.sensor_line import SensorBoardSettings
 from drawbar.machine.hardware.steer_board import BoardMemory
 from drawbar.messages import GateState
 
@@ -104,6 +105,16 @@ def test_what_it_finds_is_the_truth(machine, rising):
     assert found["hitch angle: zero"].sets["devices.sensors.hitch_angles"][2] == pytest.approx(-0.03, abs=0.001)
     assert found["wheel speed"].sets["devices.sensors.pulses_per_metre"] == pytest.approx(104.0, abs=0.5)
     assert found["tractor: mounting roll"].sets["vehicle.masts.tractor.roll_offset"] == pytest.approx(BIAS, abs=0.002)
+
+
+def test_the_zero_of_an_inductive_sensor_is_found_too(machine):
+    curved = (-1.28, 6e-4, 0.0, 1e-12)
+    sensors = SensorBoardSettings(transport="file:hitch", hitch_polynomial=curved, hitch_range=(0.0, 4096.0))
+    devices = machine.devices.model_copy(update={"sensors": sensors})
+    machine = machine.model_copy(update={"devices": devices})
+    sets = all_found(machine, driven(machine))["hitch angle: zero"].sets
+    assert list(sets) == ["devices.sensors.hitch_polynomial"]
+    assert sets["devices.sensors.hitch_polynomial"] == pytest.approx([-1.31, *curved[1:]], abs=0.001)
 
 
 def test_a_board_with_the_numbers_that_were_found_reports_the_true_angles(machine):

@@ -1,6 +1,7 @@
 """The experiment `faults`: a sample of its rows, driven; and what its analysis makes of a run."""
 
 import math
+import tomllib
 from collections.abc import Callable
 from functools import cache
 from types import ModuleType
@@ -8,6 +9,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
+from drawbar.config import Configuration
 from drawbar.experiment.elements import Table, Text
 from drawbar.experiment.experiment import Experiment
 from drawbar.experiment.measure import Runs
@@ -25,6 +27,14 @@ SAMPLE = [
     "A5 front wheels reversed",
     "K2 bit errors in commands",
     "S14 midnight",
+]
+ON_THE_BUS = "2 m/s, straight, steered by the bus"
+OF_THE_BUS = [
+    "no fault",
+    "A8 valve restarts",
+    "A9 the operator takes over at the pedal",
+    "K5 adapter takes no frames",
+    "K7 another device claims the address",
 ]
 KEPT = {
     "2 m/s, curve, driven by the bus: S28 hitch sensor reversed": 11.0,
@@ -56,6 +66,14 @@ def test_a_fault_ends_as_expected(experiment: Experiment, analysis: ModuleType, 
         assert figures["detected"] <= figures["released"]
 
 
+@pytest.mark.parametrize("fault", OF_THE_BUS)
+def test_a_fault_of_the_bus_ends_as_expected(experiment: Experiment, analysis: ModuleType, fault: str) -> None:
+    figures = analysis.figures(run(task_of(experiment, f"{ON_THE_BUS}: {fault}")))
+    assert figures["response"] == (0.0 if fault == "no fault" else 4.0)
+    assert figures["largest"] < 20.0
+    assert f"{PLACE}: {fault}" not in experiment.configurations or fault == "no fault"
+
+
 @pytest.mark.parametrize("case", list(KEPT))
 def test_the_vehicle_stays_near_its_line_until_it_is_released(
     experiment: Experiment, analysis: ModuleType, case: str
@@ -77,6 +95,21 @@ def test_a_set_point_beyond_the_envelope_is_seen(experiment: Experiment, analysi
     trial.watch()
     assert trial.column("beyond")[-1] == 1.0
     assert trial.column("time")[-1] == pytest.approx(0.5, abs=0.01)
+
+
+def test_a_set_point_beyond_the_envelope_is_seen_on_the_bus(experiment: Experiment) -> None:
+    configuration = task_of(experiment, f"{ON_THE_BUS}: no fault").configuration
+    trial = Trial(Configuration.model_validate(tomllib.loads(configuration)), 0)
+    trial.place, trial.watched = 3.0, 0.5
+
+    def begin() -> None:
+        front = trial.rehearsal.machine.can.valves["tractor"]
+        front._target, front._follow = 0.55, lambda *_: None
+
+    trial.begin = begin
+    trial.approach()
+    trial.watch()
+    assert trial.column("beyond")[-1] > 0.0
 
 
 def watched(**columns: list[float]) -> dict[str, np.ndarray]:

@@ -3,6 +3,7 @@
 import datetime
 import math
 import random
+import struct
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
@@ -318,3 +319,17 @@ def test_a_latency_that_the_receiver_reports_is_taken_off(
 def test_an_unreported_latency_is_what_most_receivers_have(report: Maker) -> None:
     (epoch,) = run(EpochStream(EpochSettings()), [(10.0, [nmea.gga(report())])])
     assert epoch.time == pytest.approx(10.0 - 0.04)
+
+
+def test_nothing_of_a_receiver_is_believed_while_it_reports_spoofing(report: Maker) -> None:
+    stream = EpochStream(EpochSettings())
+    false, right = (ubx.frame(0x01, 0x03, struct.pack("<IBBBBII", 0, 3, 1, 0, state << 3, 0, 0)) for state in (2, 1))
+    epochs = [
+        run(stream, [(10.0 + 0.2 * step, [*told, *nmea.sentences(report(0.2 * step))])])[0]
+        for step, told in enumerate(([], [false], [], [right], [], [], [], [], []))
+    ]
+    assert [each.has_fix for each in epochs] == [True, False, False, *[True] * 6]
+    assert all(math.isnan(each.speed) and each.quality is FixQuality.NONE for each in epochs[1:3])
+    assert epochs[3].quality is FixQuality.NONE
+    assert epochs[-1].quality is FixQuality.FIXED
+    assert stream.dropped["epoch of a receiver that reports spoofing"] == 2

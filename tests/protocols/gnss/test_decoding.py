@@ -13,7 +13,7 @@ from drawbar.machine.stand_in.ubx import frame
 from drawbar.protocols.gnss.checksums import crc_ccitt
 from drawbar.protocols.gnss.decoding import Decoder
 from drawbar.protocols.gnss.framing import Framer
-from drawbar.protocols.gnss.messages import Accuracy, Attitude, InertialAttitude, Message, Position, Velocity
+from drawbar.protocols.gnss.messages import Accuracy, Attitude, InertialAttitude, Message, Position, Spoofing, Velocity
 from drawbar.signals import FixQuality
 
 
@@ -377,3 +377,17 @@ def test_leap_seconds_are_a_setting(golden: Callable[[str], Any]) -> None:
     message = Decoder(leap_seconds=19).decode(found_frame)
     assert message is not None
     assert message.utc == pytest.approx(36929.2)
+
+
+@pytest.mark.parametrize(("state", "suspected"), [(0, False), (1, False), (2, True), (3, True)])
+def test_a_u_blox_receiver_tells_whether_signals_are_false(state: int, suspected: bool) -> None:
+    message = decoded(frame(0x01, 0x03, struct.pack("<IBBBBII", 0, 3, 1, 0, state << 3, 0, 0)))
+    assert message.contents == (Spoofing(suspected=suspected),)
+
+
+@pytest.mark.parametrize(("flags", "suspected"), [(0, False), (1, True), (2, True), (4, False)])
+def test_a_septentrio_receiver_tells_whether_signals_are_false(flags: int, suspected: bool) -> None:
+    band = struct.pack("<IHBx", 1_575_420_000, 0, 8)
+    body = struct.pack("<HHIHBBB3x", 4092, 28, 1000, 2300, 1, 8, flags) + band
+    message = decoded(b"$@" + struct.pack("<H", crc_ccitt(body)) + body)
+    assert message.contents == (Spoofing(suspected=suspected),)

@@ -16,7 +16,7 @@ from drawbar.transports.tapped import Direction
 _RAW = struct.Struct("<4sQBBB")
 _STEP = struct.Struct("<4sQ")
 _DIRECTIONS = tuple(Direction)
-RAW, STEP, ORDER, DEVIATIONS = b"DBr\0", b"DBs\0", b"DBo\0", b"DBv\0"
+RAW, STEP, ORDER, DEVIATIONS, CORRECTIONS = b"DBr\0", b"DBs\0", b"DBo\0", b"DBv\0", b"DBc\0"
 
 
 class Device(IntEnum):
@@ -47,7 +47,14 @@ class EstimateDeviations:
     deviations: Mapping[str, float]
 
 
-Content = RawBytes | PackedStep | Order | EstimateDeviations
+@dataclass(frozen=True, slots=True)
+class CorrectionsFailure:
+    """Why no corrections come, and what to do; empty: they come."""
+
+    text: str
+
+
+Content = RawBytes | PackedStep | Order | EstimateDeviations | CorrectionsFailure
 """of a datagram"""
 
 
@@ -61,6 +68,8 @@ def pack(content: Content) -> bytes:
         return ORDER + pack_order(content)
     if isinstance(content, EstimateDeviations):
         return DEVIATIONS + msgspec.json.encode(content.deviations)
+    if isinstance(content, CorrectionsFailure):
+        return CORRECTIONS + content.text.encode()
     return _STEP.pack(STEP, content.time) + content.data
 
 
@@ -75,6 +84,8 @@ def unpack(data: bytes) -> Content | None:
             return unpack_order(data[4:])
         if data[:4] == DEVIATIONS:
             return EstimateDeviations(msgspec.json.decode(data[4:], type=dict[str, float]))
+        if data[:4] == CORRECTIONS:
+            return CorrectionsFailure(data[4:].decode())
     except (ValueError, IndexError, struct.error):
         return None
     return None

@@ -15,6 +15,7 @@ from drawbar.machine.hardware.calibrated import Calibrated, blocks, finite_colum
 from drawbar.machine.hardware.mounting_calibration import CurveDrive, antenna_place, mounting_roll
 from drawbar.machine.hardware.scale_calibration import Circle, Scale, scale_from_circles
 from drawbar.machine.hardware.sensor_calibration import zero_from_straight
+from drawbar.machine.hardware.sensor_line import SensorBoardSettings
 from drawbar.machine.hardware.steer_board import BoardMemory, SteerBoardSettings
 from drawbar.vehicle.parameters import VehicleParameters
 
@@ -44,8 +45,8 @@ def calibrate(configuration: Configuration, drive: HandDrive) -> Iterator[Calibr
         yield from _front_wheels(devices.tractor_board, configuration.vehicle.wheelbase, drive)
     if devices.trailer_board is not None:
         yield _joint(devices.trailer_board, drive)
-    if devices.sensors is not None and devices.sensors.hitch_counts:
-        yield _hitch(devices.sensors.hitch_angles, drive)
+    if devices.sensors is not None and devices.sensors.measures_hitch:
+        yield _hitch(devices.sensors, drive)
     if devices.sensors is not None and devices.sensors.pulses_per_metre is not None:
         yield _wheels(devices.sensors.pulses_per_metre, drive)
     if np.isfinite(drive.roll).any():
@@ -132,10 +133,15 @@ def _joint(board: SteerBoardSettings, drive: HandDrive) -> CalibrationResult:
     )
 
 
-def _hitch(angles: tuple[float, ...], drive: HandDrive) -> CalibrationResult:
+def _hitch(sensors: SensorBoardSettings, drive: HandDrive) -> CalibrationResult:
     """Behind a straight drive the hitch angle is zero."""
     value = _of_straights(drive, lambda part: part.hitch, unit="rad")
-    sets = {"devices.sensors.hitch_angles": [each - value.value for each in angles]} if value.accepted else {}
+    sets: dict[str, Any] = {}
+    if value.accepted and sensors.hitch_polynomial is not None:
+        constant, *others = sensors.hitch_polynomial
+        sets = {"devices.sensors.hitch_polynomial": [constant - value.value, *others]}
+    elif value.accepted:
+        sets = {"devices.sensors.hitch_angles": [each - value.value for each in sensors.hitch_angles]}
     return CalibrationResult(name="hitch angle: zero", value=value, sets=sets)
 
 

@@ -8,6 +8,7 @@ import socket
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -59,6 +60,7 @@ class DriveProcesses:
         pace: int = 1,
         live: int | None = None,
         console: ConsoleOptions | None = None,
+        pair: Callable[[], tuple[socket.socket, socket.socket]] = controller_pair,
     ) -> None:
         """Take what to drive.
 
@@ -70,13 +72,14 @@ class DriveProcesses:
             pace: of the stand-ins; 1 for a machine.
             live: port of this computer on which the recorder shows what it records; None: it does not.
             console: start the operator's console too; its `folder`, `configuration` and `stand_ins` are filled in here.
+            pair: returns the controller's and the gate's ends of what is between them.
 
         Raises:
             HardwareError: the temporary folder's name is too long for sockets.
         """
         assert configuration.devices is not None
         self.configuration, self._run = configuration, run
-        self._stand_ins, self._shadow, self._console = stand_ins, shadow, console
+        self._stand_ins, self._shadow, self._console, self._pair = stand_ins, shadow, console, pair
         self.by_name: dict[str, subprocess.Popen[bytes]] = {}
         self.killed: list[str] = []
         """names of processes that did not end when they were told to"""
@@ -125,7 +128,7 @@ class DriveProcesses:
             self._start("stand_in", "driving.stand_in.stand_in_main", options)
             self._await("stand_in", "driver")
         self._await(RECORDER, RECORDER)
-        ours, theirs = controller_pair()
+        ours, theirs = self._pair()
         with ours, theirs:
             of_gate = gate_options(
                 self.configuration, self._folder.name, theirs.fileno(), self.options.pace, shadow=self._shadow

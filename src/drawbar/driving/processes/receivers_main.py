@@ -3,13 +3,14 @@
 `python -m drawbar.driving.processes.receivers_main`, with its options on standard input.
 """
 
+import math
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from drawbar.config import load_configuration
 from drawbar.driving.devices.path_frame import local_frame
 from drawbar.driving.devices.receiver_transports import open_receivers, receiver_settings
-from drawbar.driving.messaging.datagrams import Device, pack
+from drawbar.driving.messaging.datagrams import CorrectionsFailure, Device, pack
 from drawbar.driving.messaging.endpoint import Endpoint
 from drawbar.driving.messaging.heartbeat import HeartbeatSender
 from drawbar.driving.messaging.process_options import (
@@ -31,6 +32,7 @@ from drawbar.machine.hardware.receiver import Receiver
 from drawbar.machine.hardware.sensor_line import SensorLine
 from drawbar.message_records import encode
 from drawbar.messages import Fixes, Role, nanoseconds, seconds
+from drawbar.protocols.gnss.assembly import SPOOFED
 from drawbar.realtime import prepare, say, step_back_when_busy
 from drawbar.recording.drive_records import Happening, Kind, Order, RawBytes
 from drawbar.transports.base import Received, Transport
@@ -44,6 +46,8 @@ _BUSY = 0.5
 """without waiting for more bytes: it is flooded with them, and scheduled as any other process from then on, s"""
 _CORRECTIONS = 0.02
 """between two looks at the caster, s"""
+_SHOWN = 0.5
+"""between two words to the console of how the corrections are, s"""
 _TOGETHER = 32
 """looks that are told at once, at most"""
 _ASK_AGAIN = 0.05
@@ -68,7 +72,7 @@ def main() -> int:
     navigation = Navigation(receivers, local_frame(configuration), sensors)
     heartbeat, shutdown = HeartbeatSender(Role.RECEIVERS, endpoint, options.socket(GATE)), ShutdownRequest()
     corrections = open_corrections(devices.corrections, clock) if devices.corrections is not None else None
-    news = CorrectionsNews()
+    news, spoofed, shown = CorrectionsNews(), set[Device](), -math.inf
     for word in prepare(max(configuration.safety.timing.priority - _BELOW_THE_GATE, 0)):
         say(f"receivers: {word}")
     step_back_when_busy(_BUSY, "receivers: bytes come faster than they can be read")
@@ -78,11 +82,17 @@ def main() -> int:
         found = navigation.poll(seconds(now))
         inputs.note_look(now, was_due=was_due, found=bool(found))
         _send(found, endpoint, options)
+        if found:
+            _tell_spoofing(dict(zip(receiver_settings(devices), receivers, strict=True)), spoofed)
         heartbeat.pass_time(now)
         if corrections is not None:
             correct(corrections, clock(), receivers[0], receivers)
-            for word in news.update(corrections.status(clock())):
+            status = corrections.status(clock())
+            for word in news.update(status):
                 say(f"receivers: {word}")
+            if clock() >= shown + _SHOWN:
+                shown = clock()
+                endpoint.send(options.socket(CONSOLE), pack(CorrectionsFailure(status.failure)))
         watched = [*(each.transport for each in receivers), *([sensors.transport] if sensors else [])]
         descriptors = [each for each in (line.fileno() for line in watched) if each >= 0]
         longest = _CORRECTIONS if corrections is not None else _ASK_AGAIN
@@ -100,6 +110,15 @@ def _send(found: Sequence[Fixes], endpoint: Endpoint, options: ProcessOptions) -
         for reader in (CONTROLLER, CONSOLE):
             endpoint.send(options.socket(reader), record)
         endpoint.send_queued(options.socket(RECORDER), record)
+
+
+def _tell_spoofing(receivers: Mapping[Device, Receiver], told: set[Device]) -> None:
+    """Say once of each receiver that it takes its signals for false ones."""
+    for device, receiver in receivers.items():
+        if device not in told and receiver.dropped[SPOOFED]:
+            told.add(device)
+            name = device.topic.replace("_", " ")
+            say(f"{name}: it reports false satellite signals (spoofing), and counts as without a fix")
 
 
 def _sensors(devices: DeviceSettings, inputs: "InputRecorder") -> SensorLine | None:

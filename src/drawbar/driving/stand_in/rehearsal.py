@@ -39,7 +39,7 @@ from drawbar.vehicle.parameters import VehicleParameters
 
 STEP = 5_000_000
 """of the clock, ns"""
-_LOOK = 0.2
+LOOK = 0.2
 """between two looks of the operator, and two heartbeats, s"""
 
 
@@ -153,10 +153,10 @@ class Rehearsal:
     def _tell_gate(self, message: Message) -> None:
         self.links.send(self.time, "operator", encode(message), self._operators.put)
 
-    def end_controller(self) -> None:
-        """Let the controller's process end; the gate sees it."""
-        self.stopped.add(Part.CONTROLLER)
-        self._controller_channel.gone = True
+    def end(self, part: Part) -> None:
+        """Let a process end, or the operator be gone; the gate sees the end of the controller's."""
+        self.stopped.add(part)
+        self._controller_channel.gone |= part is Part.CONTROLLER
 
     def run(self, duration: float) -> Iterator[tuple[StepRecord, Truth]]:
         """Yield each step with the truth at that time, for a time, s."""
@@ -184,7 +184,7 @@ class Rehearsal:
         if Part.CONTROLLER not in self.stopped:
             self._control()
         if self.time >= self._look:
-            self._look = self.time + _LOOK
+            self._look = self.time + LOOK
             self._look_around()
         if Part.GATE not in self.stopped:
             self._run_gate()

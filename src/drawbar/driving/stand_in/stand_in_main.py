@@ -45,7 +45,7 @@ from drawbar.simulation import build_path
 from drawbar.transports.address import is_loopback
 from drawbar.transports.open import open_can
 
-_PRIORITY = 30
+PRIORITY = 30
 """of its scheduling, below gate and controller: real devices do not wait for this computer's other programs"""
 _GONE = 1.0
 """without a word of who commands the steerings, s"""
@@ -199,7 +199,7 @@ def serve(
             return 2
         shutdown, seen = ShutdownRequest(), -math.inf
         ready()
-        schedule_first(_PRIORITY)
+        schedule_first(PRIORITY)
         while not shutdown.asked:
             for data in endpoint.receive():
                 state = decode(data, GateState)

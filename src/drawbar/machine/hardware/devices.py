@@ -59,7 +59,7 @@ class DeviceSettings(Settings):
                     f"the {body} is steered by {body}_board or by isobus.{body}_valve; {given} is given, give one"
                 )
         refuse_equal_boards([board for board in (self.tractor_board, self.trailer_board) if board is not None])
-        if self.trailer_receiver is None and not (self.sensors and self.sensors.hitch_counts):
+        if self.trailer_receiver is None and not (self.sensors and self.sensors.measures_hitch):
             raise ValueError(
                 "without trailer_receiver nothing shows where the trailer is; add that section, or sensors with "
                 "hitch_counts and hitch_angles, and a tractor_receiver with two antennas"

@@ -126,6 +126,12 @@ class StandInMachine:
         return self._ticks * TICK
 
     @property
+    def driving(self) -> int:
+        """How many steerings follow set points: boards that turn their wheel, valves that are engaged."""
+        valves = self.can.valves.values() if self.can else ()
+        return sum(board.driving for board, _ in self.boards.values()) + sum(valve.engaged for valve in valves)
+
+    @property
     def next_time(self) -> float:
         """When something happens next, s."""
         times = [self._ticks * TICK, *(board.next_tick for board, _ in self.boards.values())]

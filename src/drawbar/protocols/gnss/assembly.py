@@ -8,7 +8,7 @@ import math
 from collections import Counter, deque
 
 from drawbar.protocols.gnss.epoch import Epoch
-from drawbar.protocols.gnss.messages import Content, Message, Position
+from drawbar.protocols.gnss.messages import Content, Message, Position, Spoofing
 from drawbar.protocols.gnss.quality import QualityHold
 from drawbar.protocols.gnss.settings import EpochSettings
 from drawbar.protocols.gnss.solution import Solution, sigma, solve
@@ -26,6 +26,8 @@ _FIRST = 3
 """epochs that are ended by time or silence alone, before it is known what to wait for"""
 _LATENCY, _LINE_LATENCY = 0.04, 0.01
 """of receiver and line where neither is known: most have 0.01 to 0.08; and of the line alone, s"""
+SPOOFED = "epoch of a receiver that reports spoofing"
+"""how epochs are counted whose contents are not believed"""
 _LEAD = 0.05
 """by which the first epochs may be later than the least delay shows afterwards, s; more is another time of the
 receiver's"""
@@ -64,6 +66,7 @@ class Assembler:
         self.frozen = 0
         self._settings = settings
         self._draft: _Draft | None = None
+        self._spoofed = False  # as the receiver has said last
         self._kinds: deque[set[str]] = deque(maxlen=_REMEMBERED)
         self._positional: set[str] = set()  # kinds that hold a position
         self._delivered = -math.inf  # time of the last epoch
@@ -86,7 +89,13 @@ class Assembler:
         return self._draft is not None
 
     def add(self, message: Message, time: float) -> list[Epoch]:
-        """Take a message whose first byte came at a monotonic time (s); return the epochs that it ends."""
+        """Take a message whose first byte came at a monotonic time (s); return the epochs that it ends.
+
+        What a receiver says of spoofing holds until it says otherwise: it does not say so in each epoch.
+        """
+        if told := [content.suspected for content in message.contents if isinstance(content, Spoofing)]:
+            self._spoofed = any(told)
+            return []
         ended: list[Epoch] = []
         if self._draft is not None and not self._draft.takes(message):
             ended += self.close()
@@ -139,6 +148,9 @@ class Assembler:
             self.dropped["epoch repeated"] += 1
             self.frozen += 1
             return None
+        if self._spoofed:
+            self.dropped[SPOOFED] += 1
+            draft.contents = [Position(quality=FixQuality.NONE)]
         solution = solve(draft.contents, self._settings)
         received = draft.received - solution.latency
         if step < 0.0 or self._clock.lead(utc, received) > _LEAD:

@@ -147,7 +147,16 @@ class Latency:
     seconds: float
 
 
-Content = Position | Velocity | Accuracy | Attitude | AttitudeAccuracy | InertialAttitude | Turn | Date | Latency
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Spoofing:
+    """Whether the receiver takes the signals for false ones, which somebody sends to mislead it."""
+
+    suspected: bool
+
+
+Content = (
+    Position | Velocity | Accuracy | Attitude | AttitudeAccuracy | InertialAttitude | Turn | Date | Latency | Spoofing
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

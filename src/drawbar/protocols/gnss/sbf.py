@@ -1,4 +1,4 @@
-"""SBF of Septentrio: PVTGeodetic, PosCovGeodetic, AttEuler, AttCovEuler and BaseVectorGeod.
+"""SBF of Septentrio: PVTGeodetic, PosCovGeodetic, AttEuler, AttCovEuler, BaseVectorGeod, and RFStatus.
 
 The library leaves latitude in rad and course in degrees, and passes do-not-use values on: -2e10, 65535, 255, and the
 65535 that it has scaled. Blocks are taken with error 0 only.
@@ -15,6 +15,7 @@ from drawbar.protocols.gnss.messages import (
     Content,
     Latency,
     Position,
+    Spoofing,
     Turn,
     Velocity,
 )
@@ -148,6 +149,11 @@ def base_vector_geod(values: Values) -> tuple[Content, ...]:
     return (attitude,)
 
 
+def rf_status(values: Values) -> tuple[Content, ...]:
+    """Return whether signals are misleading, or not authentic."""
+    return (Spoofing(suspected=bool(values.integer("Misleading") or values.integer("Inauthentic"))),)
+
+
 def _root(variance: float) -> float:
     """Return a standard deviation, NaN of a variance below zero."""
     return math.sqrt(variance) if variance >= 0.0 else math.nan
@@ -159,5 +165,6 @@ SBF: dict[int, tuple[str, int, Callable[[Values], tuple[Content, ...]]]] = {
     5938: ("AttEuler", 44, att_euler),
     5939: ("AttCovEuler", 40, att_cov_euler),
     4028: ("BaseVectorGeod", 16, base_vector_geod),
+    4092: ("RFStatus", 20, rf_status),
 }
 """by block number: name, least length of the block, reader"""

@@ -1,4 +1,4 @@
-"""UBX of u-blox: NAV-PVT, NAV-HPPOSLLH and NAV-RELPOSNED.
+"""UBX of u-blox: NAV-PVT, NAV-HPPOSLLH, NAV-RELPOSNED, and of NAV-STATUS whether signals are false.
 
 NAV-PVT resolves 1.1 cm only; HPPOSLLH, of the same iTOW, has the digits. The library adds the high-precision parts into
 HPPOSLLH's degrees and millimetres, and leaves mm, mm/s and cm.
@@ -7,7 +7,16 @@ HPPOSLLH's degrees and millimetres, and leaves mm, mm/s and cm.
 import math
 from collections.abc import Callable
 
-from drawbar.protocols.gnss.messages import Accuracy, Attitude, AttitudeAccuracy, Content, Date, Position, Velocity
+from drawbar.protocols.gnss.messages import (
+    Accuracy,
+    Attitude,
+    AttitudeAccuracy,
+    Content,
+    Date,
+    Position,
+    Spoofing,
+    Velocity,
+)
 from drawbar.protocols.gnss.values import Values, place
 from drawbar.signals import FixQuality
 
@@ -15,6 +24,8 @@ _MM = 1e-3
 _THREE_DIMENSIONAL = 3
 _CARRIER = {1: FixQuality.FLOAT, 2: FixQuality.FIXED}
 _FIXED = 2
+_SPOOFED = 2
+"""from this state on: 2 and 3 are spoofing found once and several times, 1 none, 0 not known"""
 _AGES = (math.nan, 0.5, 1.5, 3.5, 7.5, 12.5, 17.5, 25.0, 37.5, 52.5, 75.0, 105.0, 600.0)
 """the middle of each class of the age of corrections, s: limits of 5 and 20 s, where classes end, part the classes; the
 last one, above 120 s, has no end"""
@@ -91,7 +102,13 @@ def relposned(values: Values) -> tuple[Content, ...]:
     return attitude, AttitudeAccuracy(yaw=accuracy, pitch=accuracy)
 
 
+def status(values: Values) -> tuple[Content, ...]:
+    """Return whether the receiver has found spoofing; while it does not know, nothing is suspected."""
+    return (Spoofing(suspected=(values.integer("spoofDetState") or 0) >= _SPOOFED),)
+
+
 UBX: dict[tuple[int, int], tuple[str, int, Callable[[Values], tuple[Content, ...]]]] = {
+    (0x01, 0x03): ("NAV-STATUS", 16, status),
     (0x01, 0x07): ("NAV-PVT", 92, pvt),
     (0x01, 0x14): ("NAV-HPPOSLLH", 36, hpposllh),
     (0x01, 0x3C): ("NAV-RELPOSNED", 64, relposned),

@@ -2,6 +2,7 @@
 
 import socket
 from collections.abc import Callable
+from dataclasses import replace
 
 import pytest
 from caster_bench import FAST, LOGIN, Bench
@@ -40,7 +41,36 @@ def test_refusal_is_reported_and_not_tried_again_within_a_minute(
     assert bench.stream == b""
 
 
-@pytest.mark.parametrize(("code", "shortest", "longest"), [(499, 60.0, 72.0), (500, 0.8, 1.2), (503, 0.8, 1.2)])
+def test_refusal_of_a_mount_point_that_has_worked_is_tried_again_soon(connect: Callable[..., Bench]) -> None:
+    settings = CasterSettings(login=LOGIN, interval=FAST, fault=CasterFault.CLOSE)
+    with Caster(settings) as there:
+        bench = connect(there.port)
+        bench.until(lambda: bench.stream)
+        bench.until_state(CorrectionsState.WAITING)
+    with Caster(replace(settings, fault=CasterFault.NOT_FOUND), address=("127.0.0.1", there.port)) as restarted:
+        bench.clock.now += 1.3
+        bench.until(lambda: "no such mount point" in bench.status.message)
+        assert 10.0 <= bench.status.next_attempt <= 12.0
+        bench.clock.now += 12.1
+        bench.until(lambda: len(restarted.requests) == 2)
+
+
+def test_a_page_is_known_at_once_and_tried_again_soon(connect: Callable[..., Bench]) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        bench = connect(server.getsockname()[1])
+        bench.until_state(CorrectionsState.ASKING)
+        other, _ = server.accept()
+        with other:
+            other.sendall(b"HTTP/1.1 200 OK\r\nContent-Type: text/html; charset=utf-8\r\n\r\n<html>")
+            bench.until_state(CorrectionsState.WAITING)
+    assert "answers something that is not NTRIP (200); check corrections.host" in bench.status.message
+    assert 0.8 <= bench.status.next_attempt <= 1.2
+
+
+@pytest.mark.parametrize(
+    ("code", "shortest", "longest"),
+    [(302, 0.8, 1.2), (400, 60.0, 72.0), (409, 60.0, 72.0), (499, 60.0, 72.0), (500, 0.8, 1.2), (503, 0.8, 1.2)],
+)
 def test_caster_in_trouble_is_tried_again_soon(
     connect: Callable[..., Bench], code: int, shortest: float, longest: float
 ) -> None:

@@ -31,6 +31,8 @@ class CorrectionsClient:
         """when the next attempt begins"""
         self._failure = ""
         """of the last session; empty again when corrections flow"""
+        self._worked = False
+        """corrections have come from this mount point: a refusal is the caster's trouble, and no mistake of ours"""
         self._position = b""
         self._attempts = self._received = self._uploads = 0
         self._rtcm = RtcmStatus()
@@ -61,7 +63,7 @@ class CorrectionsClient:
         if session.failure:
             self._pause(now, session)
         elif session.state is CorrectionsState.FLOWING:
-            self._failure = ""
+            self._failure, self._worked = "", True
         return stream
 
     def status(self, now: float) -> CorrectionsStatus:
@@ -93,7 +95,7 @@ class CorrectionsClient:
         if now - session.began_to_flow >= LASTED:
             self._pauses.settled()
         self._failure = session.failure
-        self._next = now + self._pauses.after_failure(session.refused)
+        self._next = now + self._pauses.after_failure(session.refused and not self._worked)
         self.close()
 
 

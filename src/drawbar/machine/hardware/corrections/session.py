@@ -18,8 +18,9 @@ PATIENCE = 60.0
 """a stream may say nothing for so long while the caster may be waiting for a position that the receiver lacks, s"""
 AT_ONCE = 4096
 """bytes taken at a time, 50 times a second: a hundred times what corrections are, and soon read whatever they are"""
-_IN_TROUBLE = 500
-"""least code of a caster that mends itself"""
+_REFUSALS = (0, *range(400, 500))
+"""codes of a request that a caster refuses; with 3xx a modem's page answers, with 5xx a caster that is in trouble
+itself; 0: it tells none"""
 _ADVICE = {
     Answer.SOURCE_TABLE: "check corrections.mount",
     Answer.NO_MOUNT: "check corrections.mount",
@@ -45,7 +46,7 @@ class Session:
         self.failure = ""
         """why it is over, in words"""
         self.refused = False
-        """only the operator can mend it"""
+        """only the operator can mend it: the caster has understood the request, and does not grant it"""
         self.received = 0
         self.uploads = 0
         self.began_to_flow = math.inf
@@ -105,9 +106,10 @@ class Session:
         if answer is None:
             return b""
         if answer is not Answer.STREAM:
-            self.refused = self._reader.code < _IN_TROUBLE
-            code = f" ({self._reader.code})" if self._reader.code else ""
-            self.failure = f"the caster {answer.value}{code}; {_ADVICE[answer]}"
+            self.refused = self._reader.code in _REFUSALS if answer is Answer.REFUSED else answer is not Answer.NONSENSE
+            self.failure = f"the caster {answer.value}; {_ADVICE[answer]}"
+            if self._reader.code:
+                self.failure = f"the caster {answer.value} ({self._reader.code}); {_ADVICE[answer]}"
             return b""
         if self.state is CorrectionsState.ASKING:
             self.state = CorrectionsState.LISTENING
@@ -151,13 +153,13 @@ class Session:
             return
         name = f"{self._settings.host}:{self._settings.port}"
         if self._connection.phase is Phase.CLOSED:
-            self.failure = f"{name}: {self._connection.trouble}"
+            self.failure = f"the caster {name}: {self._connection.trouble}"
         elif self._reader.ended:
-            self.failure = f"{name} has ended the stream"
+            self.failure = f"the caster {name} has ended the stream"
         elif now >= self._deadline:
-            self.failure = f"{name}: {self._silence()}"
+            self.failure = f"the caster {name}: {self._silence()}"
         elif now >= self._frame_deadline:
-            self.failure = f"{name} sends bytes, but no intact frame of RTCM 3; check corrections.mount"
+            self.failure = f"the caster {name} sends bytes, but no intact frame of RTCM 3; check corrections.mount"
 
     def _silence(self) -> str:
         """Return what the silence means, in the words of the state it befell."""
