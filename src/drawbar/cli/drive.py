@@ -41,6 +41,13 @@ def drive(
     shadow: Annotated[
         bool, typer.Option("--shadow", help="steer nothing: tell what would have been done beside what the driver does")
     ] = False,
+    remember: Annotated[
+        bool,
+        typer.Option(
+            "--remember",
+            help="afterwards write what was found of the steerings to NAME.calibrated.toml, for the next drive with it",
+        ),
+    ] = False,
     live: Annotated[
         bool, typer.Option("--live", help="show the log while it grows, to Foxglove on this computer")
     ] = False,
@@ -57,14 +64,23 @@ def drive(
 
     With --pace, stand-ins alone: all clocks and time-outs of the drive are so many times as fast.
     """
+    from drawbar.cli.calibrate import remember as keep_steerings
     from drawbar.cli.interrupts import Interrupts
     from drawbar.driving.processes.drive_processes import DriveProcesses
     from drawbar.errors import ConfigurationError
     from drawbar.extras import require_extra
+    from drawbar.recording.log import LOG_NAME
 
     require_extra("machine", "drawbar drive")
     if with_console and pace != 1:
         raise ConfigurationError(f"--console shows a drive in real time; leave out --pace {pace}, or --console")
+    if remember and shadow:
+        raise ConfigurationError("--remember keeps what steering shows, --shadow steers nothing; leave out one of them")
+    if remember and not FilePath(configuration).is_file():
+        raise ConfigurationError(
+            f"--remember writes beside a configuration's file, {configuration} is none; give a file, or leave out "
+            "--remember"
+        )
     config, stand_ins = _configured(configuration, changes or [], pace)
     runs = str(out.parent if out else "runs")
     options = pages.options(folder="", configuration="", runs=runs) if with_console else None
@@ -77,6 +93,8 @@ def drive(
         )
         failed = _run(processes, options, interrupts, demonstrates=demonstrates, seconds=seconds)
         _report(folder, shadow=shadow)
+        if remember:
+            keep_steerings(FilePath(configuration), folder / LOG_NAME)
     if failed:
         raise SystemExit(1)
 
