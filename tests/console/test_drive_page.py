@@ -1,5 +1,8 @@
 """The drive page, by simulated users in front of the gate's real engagement."""
 
+import math
+
+import numpy as np
 import pytest
 
 pytest.importorskip("nicegui", reason="the extra `console` is not installed")
@@ -7,6 +10,8 @@ pytest.importorskip("shapefile", reason="the extra `console` is not installed")
 
 from console_stage import staged
 
+from drawbar.console.drawing import Moving
+from drawbar.guidance.figure_eight import figure_eights
 from drawbar.messages import Action, SupervisorState
 from drawbar.safety.causes import Cause
 
@@ -278,6 +283,24 @@ async def test_the_next_line_is_chosen_while_nothing_is_steered_as_the_driver_se
     stage.run(0.1, one)
     assert stage.requests.nudge == pytest.approx(-0.02)
     assert "◀ 2 cm" in one.text()
+
+
+@staged
+async def test_the_nearest_pass_is_chosen_by_where_the_tractor_stands(stage, browser):
+    one = await browser().open()
+    stage.causes = {Cause.OFF_LINE}
+    stage.receive_controller(line_offset=0.0)
+    stage.run(0.8, one)
+    stage.link.moving = None
+    one.press("pass_nearest_help")  # nobody knows where the tractor is
+    stage.run(0.3, one)
+    assert stage.requests.line == 0
+    x, y, yaw = figure_eights((8.0,), 20.0).sample(np.array([0.5]))[0, :3]
+    place = x - 5.6 * math.sin(yaw), y + 5.6 * math.cos(yaw), yaw
+    stage.link.moving = Moving(tractor=place, trailer=place, steering=0.0, plans=([], []))
+    one.press("pass_nearest_help")
+    stage.run(0.3, one)
+    assert stage.requests.line == 2  # of lines that are 3 m apart
 
 
 @staged

@@ -181,3 +181,16 @@ def test_neighbours_are_so_far_from_the_driven_line_and_not_drawn_where_there_is
         assert path.project(*line[10], 0.0, 20.0)[1] == pytest.approx(offset, abs=1e-3)
     assert len(Lines(path, 5.0)(0.0)["neighbours"]) == 2  # 10 m are more than the curves' radii
     assert Lines(path, 0.0)(0.0)["neighbours"] == []
+
+
+@pytest.mark.parametrize("turned", [0.0, math.pi])
+@pytest.mark.parametrize("along", [12.0, 20.0, 100.0])
+def test_the_nearest_pass_is_counted_from_the_configured_line_that_leads_along_the_vehicle(along, turned):
+    path = figure_eights((20.0,), 60.0)  # crosses itself
+    lines = Lines(path, 3.0)
+    x, y, yaw = path.sample(np.array([along]))[0, :3]
+    for number in range(-3, 4):
+        for beside in (-1.4, 0.0, 1.4):
+            left = 3.0 * number + beside
+            place = x - left * math.sin(yaw), y + left * math.cos(yaw)
+            assert lines.nearest_pass(*place, yaw + turned) == number

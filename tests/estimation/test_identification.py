@@ -12,7 +12,7 @@ from c_signals import given
 from estimators import DeadTimePredictor
 
 from drawbar.estimation.actuation import bank_lags, bank_rates
-from drawbar.estimation.settings import ActuationSettings
+from drawbar.estimation.settings import ActuationSettings, SteeringMemories, SteeringMemory
 from drawbar.geometry import Floats
 from drawbar.signals import Actuation, Command, Estimate, Measurement, Pose, SolverStatus, Status
 from drawbar.vehicle.articulated import articulated
@@ -155,6 +155,38 @@ def test_while_nothing_moves_the_guess_stays() -> None:
     assert identified.tractor.dead_time == pytest.approx(0.3, abs=0.01)
     assert identified.tractor.dead_time_deviation == pytest.approx(0.1, abs=0.02)
     assert identified.dead_time == pytest.approx(0.3, abs=0.01)
+
+
+def remembering(**known: float) -> ActuationSettings:
+    memory = SteeringMemory(**known)
+    return ActuationSettings(remembered=SteeringMemories(tractor=memory))
+
+
+def test_a_run_begins_with_what_is_remembered_of_each_steering() -> None:
+    settings = remembering(dead_time=0.4, lag=0.8, rate=0.2)
+    known, vehicle = Identification(VehicleParameters(), settings, SAMPLE).found(), VehicleParameters()
+    tractor, trailer = known.tractor, known.trailer
+    assert (tractor.dead_time, tractor.lag, tractor.rate) == pytest.approx((0.4, 0.8, 0.2))
+    assert (trailer.dead_time, trailer.lag, trailer.rate) == pytest.approx((0.2, 0.3, vehicle.trailer_steering_rate))
+    assert (known.dead_time, known.tractor_lag, known.trailer_lag) == pytest.approx((0.4, 0.8, 0.3))
+    assert (known.tractor_rate, known.trailer_rate) == pytest.approx((0.2, vehicle.trailer_steering_rate))
+    resting = fed(0.0, 0.3, size=0.0, settings=settings).found().tractor
+    assert resting.dead_time == pytest.approx(0.4, abs=0.02)
+    assert resting.dead_time_deviation == pytest.approx(settings.guess_deviation, abs=0.02)  # as wide as the guess
+    assert resting.rate == pytest.approx(0.2, rel=0.1)
+
+
+def test_what_is_remembered_only_makes_the_first_guess_slower() -> None:
+    quick = Identification(VehicleParameters(), remembering(dead_time=0.0, lag=0.1, rate=1.0), SAMPLE)
+    assert quick.found() == Identification(VehicleParameters(), ActuationSettings(), SAMPLE).found()
+
+
+def test_a_machine_that_has_changed_is_found_as_one_of_which_nothing_is_remembered() -> None:
+    stale = fed(0.1, 0.3, size=0.3, settings=remembering(dead_time=0.7, lag=1.2, rate=0.1)).found().tractor
+    fresh = fed(0.1, 0.3, size=0.3).found().tractor
+    assert stale.dead_time == pytest.approx(fresh.dead_time, abs=0.01)
+    assert stale.lag == pytest.approx(fresh.lag, rel=0.05)
+    assert stale.rate == pytest.approx(fresh.rate, abs=fresh.rate_deviation)
 
 
 def test_a_driver_who_steers_does_not_ruin_it() -> None:

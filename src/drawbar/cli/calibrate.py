@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from contextlib import closing
 from datetime import UTC, datetime
-from itertools import groupby
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Annotated
 
@@ -17,7 +16,7 @@ if TYPE_CHECKING:
     from drawbar.config import Configuration
     from drawbar.driving.preparation.hand_calibration import CalibrationResult
     from drawbar.driving.preparation.push_calibration import PushCalibration
-    from drawbar.signals import BodyActuation, StepRecord
+    from drawbar.signals import BodyActuation
 
 _NOTED_LATENCY = 0.02
 """of fixes, from which on it is worth a setting, s"""
@@ -34,7 +33,7 @@ def calibrate(
         bool, typer.Option("--push", help="instead of a log: move a bare valve or motor a little; asks twice before")
     ] = False,
 ) -> None:
-    """Find sensors' zeros and scales, the wheels' pulses, mounting roll, antenna's place and dead bands in a drive.
+    """Find what a drive shows: of sensors, wheels and antenna by hand; of the steerings where drawbar steered.
 
     What is found is written beside FILE, as NAME.calibrated.toml, which extends it: drive with that file. Nothing is
     moved but with --push, which finds direction, dead bands, rates and the sensor's scale of a valve or motor without
@@ -61,6 +60,7 @@ def _in_log(log: FilePath) -> "list[CalibrationResult]":
     from drawbar.driving.preparation.dead_bands import dead_bands
     from drawbar.driving.preparation.hand_calibration import calibrate as evaluate
     from drawbar.driving.preparation.hand_drive import HandDrive
+    from drawbar.driving.preparation.steering_memory import steering_memory
     from drawbar.messages import GateState
     from drawbar.recording.drive_records import open_drive
     from drawbar.recording.log import read_log
@@ -79,7 +79,24 @@ def _in_log(log: FilePath) -> "list[CalibrationResult]":
             style="yellow",
             soft_wrap=True,
         )
-    return [*evaluate(recorded, drive), *dead_bands(states)]
+    return [*evaluate(recorded, drive), *dead_bands(states), *steering_memory(recorded, content.records)]
+
+
+def remember(configuration: FilePath, log: FilePath) -> None:
+    """Write what a drive has shown of both steerings to the configuration's calibrated file; print why not the rest."""
+    from drawbar.config import recorded_configuration
+    from drawbar.driving.preparation.steering_memory import steering_memory
+    from drawbar.recording.log import read_log
+
+    content = read_log(log)
+    recorded = recorded_configuration(content.header.configuration, [], str(log))
+    found = list(steering_memory(recorded, content.records))
+    for each in found:
+        _tell(each)
+    if any(each.sets for each in found):
+        _write(configuration, found, log.parent.name)
+    else:
+        console.print("nothing of the steerings is kept for the next drive")
 
 
 def _pushed(config: "Configuration") -> "list[CalibrationResult]":
@@ -164,16 +181,16 @@ def _tell(found: "CalibrationResult") -> None:
 def identify(log: RunLogFile) -> None:
     """Find dead time, lag and rate of both steerings, late fixes and askew roll sensors in a log."""
     from drawbar.config import recorded_configuration
+    from drawbar.driving.preparation.steering_memory import longest_steering
     from drawbar.estimation.identification import identify as evaluate
     from drawbar.recording.log import read_log
     from drawbar.report.masts import mounting_text
-    from drawbar.signals import Flag
 
     content = read_log(log)
     for loss in content.losses:
         console.print(f"{log}: {loss}", style="bold yellow", soft_wrap=True)
     recorded = recorded_configuration(content.header.configuration, [], str(log))
-    steered = _longest([record for record in content.records if not record.flags & Flag.RELEASED])
+    steered = longest_steering(content.records)
     if len(steered) * recorded.sample_time < 10.0:
         raise DrawbarError(f"{log}: steers for less than 10 s without a gap; give the log of a longer run")
     steps = ((record.measurement, record.command) for record in steered)
@@ -197,12 +214,6 @@ def identify(log: RunLogFile) -> None:
             "[devices.trailer_receiver], elsewhere to sensors.fixes.age",
             soft_wrap=True,
         )
-
-
-def _longest(records: "Sequence[StepRecord]") -> "list[StepRecord]":
-    """Return the longest stretch in which no step is missing."""
-    stretches = groupby(enumerate(records), key=lambda each: each[1].step - each[0])
-    return max(([record for _, record in stretch] for _, stretch in stretches), key=len, default=[])
 
 
 def _tell_steering(name: str, found: "BodyActuation") -> None:

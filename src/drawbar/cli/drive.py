@@ -13,6 +13,8 @@ from drawbar.cli.pages import Pages, address, free_port, takes_pages
 from drawbar.configurations import CONFIGURATION_NAME
 
 LOCAL = "127.0.0.1"
+_NEAREST = "nearest"
+"""--track: the line at which the vehicle stands"""
 NO_KEYS = "standard input is no terminal: no key is read; use a terminal, or --console"
 _NOT_THERE = (
     "{folder}: the log is not there any more: the folder was moved or removed, or its disk unmounted, during the "
@@ -31,6 +33,10 @@ if TYPE_CHECKING:
 def drive(
     configuration: ConfigurationName = "articulated",
     changes: Annotated[list[str] | None, changing("speed=0.8")] = None,
+    track: Annotated[
+        str,
+        typer.Option(metavar="NAME", help="line of path.file; nearest: the one at which the vehicle stands now"),
+    ] = "",
     out: Annotated[
         FilePath | None,
         typer.Option(parser=written, metavar="PATH", help="folder for log and report; default: a new one in runs/"),
@@ -40,6 +46,13 @@ def drive(
     ] = False,
     shadow: Annotated[
         bool, typer.Option("--shadow", help="steer nothing: tell what would have been done beside what the driver does")
+    ] = False,
+    remember: Annotated[
+        bool,
+        typer.Option(
+            "--remember",
+            help="afterwards write what was found of the steerings to NAME.calibrated.toml, for the next drive with it",
+        ),
     ] = False,
     live: Annotated[
         bool, typer.Option("--live", help="show the log while it grows, to Foxglove on this computer")
@@ -57,15 +70,25 @@ def drive(
 
     With --pace, stand-ins alone: all clocks and time-outs of the drive are so many times as fast.
     """
+    from drawbar.cli.calibrate import remember as keep_steerings
     from drawbar.cli.interrupts import Interrupts
     from drawbar.driving.processes.drive_processes import DriveProcesses
     from drawbar.errors import ConfigurationError
     from drawbar.extras import require_extra
+    from drawbar.recording.log import LOG_NAME
 
     require_extra("machine", "drawbar drive")
     if with_console and pace != 1:
         raise ConfigurationError(f"--console shows a drive in real time; leave out --pace {pace}, or --console")
-    config, stand_ins = _configured(configuration, changes or [], pace)
+    if remember and shadow:
+        raise ConfigurationError("--remember keeps what steering shows, --shadow steers nothing; leave out one of them")
+    if remember and not FilePath(configuration).is_file():
+        raise ConfigurationError(
+            f"--remember writes beside a configuration's file, {configuration} is none; give a file, or leave out "
+            "--remember"
+        )
+    changes = [*_line_change(configuration, track, changes or []), *(changes or [])]
+    config, stand_ins = _configured(configuration, changes, pace)
     runs = str(out.parent if out else "runs")
     options = pages.options(folder="", configuration="", runs=runs) if with_console else None
     shown = _shown_at(live_port) if live else None
@@ -77,8 +100,30 @@ def drive(
         )
         failed = _run(processes, options, interrupts, demonstrates=demonstrates, seconds=seconds)
         _report(folder, shadow=shadow)
+        if remember:
+            keep_steerings(FilePath(configuration), folder / LOG_NAME)
     if failed:
         raise SystemExit(1)
+
+
+def _line_change(name: str, track: str, changes: list[str]) -> list[str]:
+    """Return the change of the configuration that chooses a line; none where --track is not given."""
+    from json import dumps
+
+    from drawbar.config import load_configuration
+    from drawbar.driving.preparation.nearest_line import nearest_track, standing
+    from drawbar.errors import ConfigurationError
+
+    if track == _NEAREST:
+        config = load_configuration(name, changes)
+        if config.devices is None:
+            raise ConfigurationError(
+                "--track nearest: without [devices] there is no vehicle that stands anywhere; give --track NAME"
+            )
+        with console.status("listening where the vehicle stands …"):
+            track = nearest_track(config, standing(config.devices))
+        console.print(f"the nearest line is {track!r}", soft_wrap=True)
+    return [f"path.track={dumps(track, ensure_ascii=False)}"] if track else []
 
 
 def _configured(name: str, changes: list[str], pace: int) -> tuple["Configuration", bool]:

@@ -24,7 +24,16 @@ Ask = Callable[[Action, float], None]
 class Adjusting:
     """Two rows of buttons, each with what it changes between them; a small screen folds them while nothing steers."""
 
-    def __init__(self, link: Link, words: Words, ask: Ask, *, speed: float, working_width: float) -> None:
+    def __init__(
+        self,
+        link: Link,
+        words: Words,
+        ask: Ask,
+        *,
+        speed: float,
+        working_width: float,
+        nearest_pass: Callable[[], int | None],
+    ) -> None:
         """Build the rows.
 
         Args:
@@ -33,7 +42,9 @@ class Adjusting:
             ask: hands what is asked for, and its value, to the gate.
             speed: at which is driven where the operator wishes none, m/s.
             working_width: between parallel lines, m; 0: there is only one.
+            nearest_pass: returns the pass that is nearest to the tractor; None: it is not known.
         """
+        self._nearest_pass = nearest_pass
         self._link, self._words, self._ask = link, words, ask
         self._otherwise, self._width = speed, working_width
         self._followed = link.clock()  # when the chosen line was driven last
@@ -51,6 +62,7 @@ class Adjusting:
             self._button("◀◀", "pass_left", lambda: self._change_pass(1))
             self._pass = self._reading("pass_number")
             self._button("▶▶", "pass_right", lambda: self._change_pass(-1))
+            self._button(words("pass_nearest"), "pass_nearest_help", self._take_nearest).classes("nearest")
 
     def show(self, shown: Board) -> None:
         """Show what may be changed now."""
@@ -101,6 +113,11 @@ class Adjusting:
         if self._link.gate is not None:
             self._ask(Action.LINE, float(self._link.gate.line + self._left * count))
 
+    def _take_nearest(self) -> None:
+        nearest = self._nearest_pass()
+        if nearest is not None:
+            self._ask(Action.LINE, float(nearest))
+
     def _change_speed(self, change: float) -> None:
         if self._link.gate is not None:
             self._ask(Action.SET_SPEED, changed_speed(self._link.gate, change, self._otherwise))
@@ -111,6 +128,6 @@ class Adjusting:
                 ui.label(self._words(key))
             return ui.label("–").classes("value")
 
-    def _button(self, sign: str, key: str, act: Callable[[], None]) -> None:
+    def _button(self, sign: str, key: str, act: Callable[[], None]) -> ui.button:
         button = ui.button(sign, on_click=act, color=None).classes("first").mark(key)
-        button.props(f'no-caps unelevated aria-label="{self._words(key)}"')
+        return button.props(f'no-caps unelevated aria-label="{self._words(key)}"')

@@ -60,6 +60,11 @@ TEXTS: Mapping[str, tuple[str, str]] = {
     "set_speed": ("Set speed", "Solltempo"),
     "pass_left": ("Next line to the left", "Nächste Linie links"),
     "pass_right": ("Next line to the right", "Nächste Linie rechts"),
+    "pass_nearest": ("Nearest pass", "Nächstgelegene Spur"),
+    "pass_nearest_help": (
+        "Choose the pass that is nearest to the tractor",
+        "Die Spur wählen, die dem Traktor am nächsten liegt",
+    ),
     "not_drivable": ("✖ not drivable", "✖ nicht fahrbar"),
     "line_shift": ("Line", "Linie"),
     "unfold": ("Line and speed ▾", "Linie und Tempo ▾"),

@@ -67,7 +67,7 @@ class Lines:
         nodes, curvatures = path.nodes, path.sample(path.nodes[:, 0])[:, 3]
         self._nodes = nodes[kept_points(nodes[:, 1:3], _TOLERANCE, _POINTS)]
         self._tightest = float(curvatures.min()), float(curvatures.max())
-        self._width = working_width
+        self._path, self._width = path, working_width
         self._newest = (0.0, self._drawn(0.0))
 
     def __call__(self, offset: float) -> dict[str, Any]:
@@ -75,6 +75,15 @@ class Lines:
         if self._newest[0] != offset:
             self._newest = (offset, self._drawn(offset))
         return self._newest[1]
+
+    def nearest_pass(self, x: float, y: float, yaw: float) -> int:
+        """Return the number of the pass that is nearest to a vehicle (m, rad); left of the configured line positive.
+
+        Where the line crosses itself, the part that leads along the vehicle counts.
+        """
+        beside, _ = self._path.nearest(x, y, yaw, reach=math.inf, both_ways=True)
+        _, left = self._path.project(x, y, beside, beside)
+        return round(left / self._width)
 
     def _drawn(self, offset: float) -> dict[str, Any]:
         beside = [offset + count * self._width for count in _BESIDE] if self._width > 0.0 else []

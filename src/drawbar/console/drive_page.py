@@ -91,6 +91,11 @@ class DrivePage:
             return link.moving
         return moving_by_hand(place, link.fixes, link.vehicle)
 
+    def _nearest_pass(self) -> int | None:
+        """Return the pass that is nearest to the tractor; None: where that is is not known."""
+        place = self._moving()
+        return self._lines.nearest_pass(*place.tractor) if place is not None else None
+
     def _announce_lost_record(self) -> None:
         """Tell, once, that nothing is recorded any more: steering continues, and the list of warnings may be long."""
         gate = self._link.gate
@@ -126,7 +131,14 @@ class DrivePage:
             self._wish = self._button("ask_control", self._wish_control, "plain")
             self._wished = ui.label()
             self._give = self._button("give_control", ask(Action.RELEASE), "plain")
-        self._adjusting = Adjusting(self._link, words, self._send, speed=self._speed, working_width=self._working_width)
+        self._adjusting = Adjusting(
+            self._link,
+            words,
+            self._send,
+            speed=self._speed,
+            working_width=self._working_width,
+            nearest_pass=self._nearest_pass,
+        )
         self._arm = self._button("arm", ask(Action.ARM), "first needs-sight")
         self._engage = self._button("engage", ask(Action.ENGAGE), "second needs-sight")
         self._acknowledge = self._button("acknowledge", ask(Action.ACKNOWLEDGE), "first wide needs-sight")

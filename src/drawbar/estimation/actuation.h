@@ -147,7 +147,7 @@ static inline double lead(double sample_time, double lag)
 static inline double scaled(const struct component *actuation, int i, double command, double found, double offset)
 {
     const double share = lead(actuation->sample_time, actuation->lags[i])
-        / lead(actuation->sample_time, actuation->banks[i].prior_lag);
+        / lead(actuation->sample_time, actuation->banks[i].stated_lag);
     const double wanted = found + share * (command - found) - offset;
 
     return isfinite(wanted) ? clamped(wanted, -actuation->limits[i], actuation->limits[i]) : command;

@@ -33,14 +33,13 @@ struct lag_grid {
     double part;                           /* s; a sample has `parts` of them */
     double dead_times[DEAD_TIMES];         /* s */
     double lags[LAGS], shares[LAGS];       /* s; the share of an error that goes in a part, 1 - exp(-part / lag) */
-    double log_lags[LAGS];                 /* logarithms of the lags, */
-    double slower[RATES];                  /* and of the rates in shares of the stated one, which is the first */
+    double slower[RATES];                  /* logarithms of the rates in shares of the stated one, which is the first */
     double memory;                         /* share of the statistics that is kept from sample to sample */
     double repeats;                        /* correlation length of the errors, samples */
     double between[3];                     /* variances of dead time (s2), lag and rate (logarithms) between two members */
     double resolution;                     /* least standard deviation of the errors, rad */
-    double prior_dead_time, prior_dead_time_deviation, prior_lag_deviation;   /* s, s, of the lag's logarithm */
-    double prior_slower;                   /* logarithm of the odds against a rate below the stated one */
+    double prior_dead_time_deviation, prior_lag_deviation;   /* s, of the lag's logarithm */
+    double prior_rate;                     /* logarithm of the odds for the prior rate against each other */
     int32_t parts;
     int32_t delays[DEAD_TIMES];            /* dead times in parts */
 };
@@ -49,15 +48,14 @@ struct lag_grid {
     SETTING(type, place.part, 0, 1, 0, 0) SETTING(type, place.dead_times, 0, DEAD_TIMES, 0, 0)               \
     SETTING(type, place.lags, 0, LAGS, 0, 0) SETTING(type, place.shares, 0, LAGS, 0, 0)                      \
     SETTING(type, place.memory, 0, 1, 0, 0) SETTING(type, place.repeats, 0, 1, 0, 0)                         \
-    SETTING(type, place.log_lags, 0, LAGS, 0, 0) SETTING(type, place.slower, 0, RATES, 0, 0)                 \
-    SETTING(type, place.between, 0, 3, 0, 0)                                                                 \
-    SETTING(type, place.resolution, 0, 1, 0, 0) SETTING(type, place.prior_dead_time, 0, 1, 0, 0)             \
-    SETTING(type, place.prior_dead_time_deviation, 0, 1, 0, 0)                                               \
-    SETTING(type, place.prior_lag_deviation, 0, 1, 0, 0) SETTING(type, place.prior_slower, 0, 1, 0, 0)       \
+    SETTING(type, place.slower, 0, RATES, 0, 0) SETTING(type, place.between, 0, 3, 0, 0)                     \
+    SETTING(type, place.resolution, 0, 1, 0, 0) SETTING(type, place.prior_dead_time_deviation, 0, 1, 0, 0)   \
+    SETTING(type, place.prior_lag_deviation, 0, 1, 0, 0) SETTING(type, place.prior_rate, 0, 1, 0, 0)         \
     SETTING(type, place.parts, 1, 1, 0, 0) SETTING(type, place.delays, 1, DEAD_TIMES, 0, 0)
 
 struct lag_bank {
-    double prior_lag, prior_rate;          /* as stated, s, rad/s */
+    double stated_lag, stated_rate;        /* s, rad/s */
+    double prior_dead_time, prior_lag, prior_rate;   /* as stated or remembered, s, s, rad/s */
     double dead_time, dead_time_deviation, lag, lag_deviation, rate, rate_deviation;   /* as identified, s, rad/s */
     double past[PAST];                     /* commands of the last parts of samples, a ring, rad */
     double angle[MEMBERS];                 /* of each member, rad */
@@ -68,7 +66,9 @@ struct lag_bank {
 };
 
 #define LAG_BANK_FIELDS(type, place)                                                                         \
-    SETTING(type, place.prior_lag, 0, 1, 0, 0) SETTING(type, place.prior_rate, 0, 1, 0, 0)                   \
+    SETTING(type, place.stated_lag, 0, 1, 0, 0) SETTING(type, place.stated_rate, 0, 1, 0, 0)                 \
+    SETTING(type, place.prior_dead_time, 0, 1, 0, 0) SETTING(type, place.prior_lag, 0, 1, 0, 0)              \
+    SETTING(type, place.prior_rate, 0, 1, 0, 0)                                                              \
     SETTING(type, place.dead_time, 0, 1, 0, 0) SETTING(type, place.dead_time_deviation, 0, 1, 0, 0)          \
     SETTING(type, place.lag, 0, 1, 0, 0) SETTING(type, place.lag_deviation, 0, 1, 0, 0)                      \
     SETTING(type, place.rate, 0, 1, 0, 0) SETTING(type, place.rate_deviation, 0, 1, 0, 0)
@@ -111,7 +111,7 @@ static void bank_follow(struct lag_bank *bank, const struct lag_grid *grid)
 
     for (int row = 0; bank->pending > 0 && row < ROWS; ++row) {
         const int32_t delay = grid->delays[row < DEAD_TIMES ? row : likeliest];
-        const double rate = row < DEAD_TIMES ? bank->driven_rate : bank->prior_rate * exp(grid->slower[row - DEAD_TIMES]);
+        const double rate = row < DEAD_TIMES ? bank->driven_rate : bank->stated_rate * exp(grid->slower[row - DEAD_TIMES]);
         double *restrict angle = bank->angle + row * LAGS;
         for (int32_t pending = bank->pending; pending > 0; --pending) {
             const double command = bank->past[(bank->newest + 2 * PAST + 1 - pending - delay) % PAST];
@@ -185,19 +185,20 @@ static double bank_unexplained(const struct lag_bank *bank, double measured)
 static void bank_likelihoods(const struct lag_bank *bank, const struct lag_grid *grid, double *log_probability)
 {
     const double least = grid->resolution * grid->resolution;
+    const int prior_rate = nearest_of(grid->slower, RATES, log(bank->prior_rate / bank->stated_rate));
     double lag_deviation[LAGS];
 
     for (int l = 0; l < LAGS; ++l)
-        lag_deviation[l] = (grid->log_lags[l] - log(bank->prior_lag)) / grid->prior_lag_deviation;
+        lag_deviation[l] = log(grid->lags[l] / bank->prior_lag) / grid->prior_lag_deviation;
     for (int i = 0; i < MEMBERS; ++i) {
         const int row = i / LAGS;
         const double delay_deviation = row < DEAD_TIMES
-            ? (grid->dead_times[row] - grid->prior_dead_time) / grid->prior_dead_time_deviation : 0.0;
+            ? (grid->dead_times[row] - bank->prior_dead_time) / grid->prior_dead_time_deviation : 0.0;
         const double weight = row < DEAD_TIMES ? bank->weight : bank->rate_weight;
         const double mean = bank->error[i] / weight, variance = bank->square[i] / weight - mean * mean;
         log_probability[i] = -0.5 * (weight / grid->repeats * log((variance > 0.0 ? variance : 0.0) + least)
                                      + delay_deviation * delay_deviation + lag_deviation[i % LAGS] * lag_deviation[i % LAGS])
-            - (row > DEAD_TIMES ? grid->prior_slower : 0.0);
+            - (row >= DEAD_TIMES && row - DEAD_TIMES != prior_rate ? grid->prior_rate : 0.0);
     }
 }
 
@@ -219,11 +220,13 @@ struct bank_sums {
     double all, row[2], lag[2];
 };
 
-static struct bank_sums bank_sum(const double *log_probability, int rows, const double *values, const double *log_lags)
+static struct bank_sums bank_sum(const double *log_probability, int rows, const double *values, const double *lags)
 {
     struct bank_sums sums = {0.0, {0.0, 0.0}, {0.0, 0.0}};
-    double most = -(double)INFINITY;
+    double most = -(double)INFINITY, log_lags[LAGS];
 
+    for (int l = 0; l < LAGS; ++l)
+        log_lags[l] = log(lags[l]);
     for (int i = 0; i < rows * LAGS; ++i)
         most = log_probability[i] > most ? log_probability[i] : most;
     for (int i = 0; i < rows * LAGS; ++i) {
@@ -254,12 +257,12 @@ static void bank_update(struct lag_bank *bank, const struct lag_grid *grid)
     if (!(bank->weight > 0.0))
         return;
     bank_likelihoods(bank, grid, log_probability);
-    const struct bank_sums first = bank_sum(log_probability, DEAD_TIMES, grid->dead_times, grid->log_lags);
-    const struct bank_sums second = bank_sum(log_probability + DEAD_TIMES * LAGS, RATES, grid->slower, grid->log_lags);
+    const struct bank_sums first = bank_sum(log_probability, DEAD_TIMES, grid->dead_times, grid->lags);
+    const struct bank_sums second = bank_sum(log_probability + DEAD_TIMES * LAGS, RATES, grid->slower, grid->lags);
     bank->dead_time = bank_mean(first.all, first.row, grid->between[0], &bank->dead_time_deviation);
     bank->lag = exp(bank_mean(first.all, first.lag, grid->between[1], &bank->lag_deviation));
     bank->lag_deviation *= bank->lag;
-    bank->rate = bank->prior_rate * exp(bank_mean(second.all, second.row, grid->between[2], &bank->rate_deviation));
+    bank->rate = bank->stated_rate * exp(bank_mean(second.all, second.row, grid->between[2], &bank->rate_deviation));
     bank->rate_deviation *= bank->rate;
     bank_change_rate(bank);
 }

@@ -270,6 +270,24 @@ class IdealEstimatorSettings(Settings):
         return {}
 
 
+class SteeringMemory(Settings):
+    """What earlier drives found of one steering. Its search begins there instead of at what is stated."""
+
+    dead_time: Annotated[NonNegative, Field(le=0.8)] | None = None
+    """of the steering; below `actuation.guess` the guess counts, s"""
+    lag: Positive | None = None
+    """of the steering, s"""
+    rate: PositiveAngle | None = None
+    """of the steering; above the stated one that counts, rad/s"""
+
+
+class SteeringMemories(Settings):
+    """What earlier drives of this vehicle found of both steerings; `drawbar calibrate` writes it."""
+
+    tractor: SteeringMemory = SteeringMemory()
+    trailer: SteeringMemory = SteeringMemory()
+
+
 class ActuationSettings(Settings):
     """What is found of the steerings' dead times, lags and rates during the run (docs/theory/identification.md)."""
 
@@ -301,3 +319,4 @@ class ActuationSettings(Settings):
     """for how long it may last before the run ends, s"""
     settling: Positive = 1.0
     """time constant with which the dead time, lags and rates that are planned with follow what is known, s"""
+    remembered: SteeringMemories = SteeringMemories()

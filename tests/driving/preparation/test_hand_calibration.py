@@ -160,7 +160,7 @@ def test_a_drive_far_from_the_line_is_reported_with_settings_that_estimate_there
     assert changed.sanity.lost > changed.guidance.maximum_start_distance > 500.0
 
     told = []
-    content = SimpleNamespace(header=SimpleNamespace(configuration={}))
+    content = SimpleNamespace(header=SimpleNamespace(configuration={}), records=())
     monkeypatch.setattr("drawbar.recording.log.read_log", lambda log: content)
     monkeypatch.setattr("drawbar.config.recorded_configuration", lambda *_: machine)
     monkeypatch.setattr("drawbar.recording.drive_records.open_drive", lambda log: nullcontext([]))

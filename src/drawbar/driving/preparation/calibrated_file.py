@@ -13,7 +13,7 @@ from drawbar.errors import ConfigurationError
 
 SUFFIX = ".calibrated.toml"
 _HEAD = (
-    "# Written by drawbar calibrate; drive with this file. What it extends stays yours.\n"
+    "# Written by drawbar calibrate or drawbar drive --remember; drive with this file. What it extends stays yours.\n"
     "# It is written again each time: other keys that you write here are kept, comments are not.\n"
 )
 

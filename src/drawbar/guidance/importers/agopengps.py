@@ -39,6 +39,11 @@ def read_agopengps(folder: Path, track: str | None, extension: float = 0.0) -> R
     return replace(line, x=points[:, 0].copy(), y=points[:, 1].copy(), frame=frame)
 
 
+def agopengps_names(folder: Path) -> list[str]:
+    """Return the names of a field folder's lines; errors as read_agopengps."""
+    return [line.name for line in _lines(_files(folder))[0]]
+
+
 def field_lines(folder: Path) -> tuple[LocalFrame, list[RecordedLine], Boundary | None, list[str]]:
     """Return a field folder's origin, its lines and its edge, on AgOpenGPS's plane, m; errors as read_agopengps.
 

@@ -26,6 +26,17 @@ def read_geojson(path: Path, track: str | None) -> RecordedLine:
     also by their place in it, from the second on. Only the chosen one is checked. Raises PathError with the file and
     the place in it.
     """
+    lines = _found(path)
+    return _line(lines[choose(path, [line.name for line in lines], track)])
+
+
+def geojson_names(path: Path) -> list[str]:
+    """Return the names of all lines; errors as read_geojson."""
+    return [line.name for line in _found(path)]
+
+
+def _found(path: Path) -> "list[_Found]":
+    """Return all lines, not yet looked at; at least one."""
     _, features = features_of(path)
     lines = [line for index, feature in enumerate(features) for line in _lines(path, index, feature)]
     if not lines:
@@ -34,7 +45,7 @@ def read_geojson(path: Path, track: str | None) -> RecordedLine:
             f"{path}: holds no LineString but {', '.join(found) or 'no feature'}; give each line as a LineString: "
             f"alone, as a Feature or in a FeatureCollection"
         )
-    return _line(lines[choose(path, [line.name for line in lines], track)])
+    return lines
 
 
 class _Found(NamedTuple):
