@@ -25,7 +25,7 @@ def explained(error: ValidationError, data: dict[str, Any], *, root: str = "conf
 
 def _is_long_enough(problem: Any) -> bool:
     """Whether a list is called too short only because pydantic leaves its wrong entries out of the count."""
-    return problem["type"] == "too_short" and len(problem["input"]) >= problem["ctx"]["min_length"]
+    return bool(problem["type"] == "too_short" and len(problem["input"]) >= problem["ctx"]["min_length"])
 
 
 def _line(problem: Any, data: dict[str, Any], root: str) -> str:
