@@ -57,6 +57,7 @@ def driven(document, case, faults, later, seed):
     trial = Trial(load_configuration(found["configuration"], [*document["changes"], *found["changes"]]), seed)
     find_alteration(FOLDER, found["alteration"]).apply(trial)
     begin_both(trial, *faults, later)
+    trial.approach()
     trial.watch()
     state, speed = trial.column("state"), trial.column("speed")
     errors = np.abs([trial.column("tractor"), trial.column("trailer")]).max(axis=0)

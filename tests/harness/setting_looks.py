@@ -34,6 +34,18 @@ def state_after(seconds, change=lambda bench: None, **names):
     return look
 
 
+def state_on_the_way(seconds, **controller):
+    """See state and cause of a gate that has steered for a time, while the vehicle is not yet on its line."""
+
+    def look(settings):
+        bench = Bench(settings)
+        bench.controller = controller
+        bench.drive().run(seconds)
+        return bench.state, bench.cause
+
+    return look
+
+
 def saying(**controller):
     return lambda bench: setattr(bench, "controller", controller)
 

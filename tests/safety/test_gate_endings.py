@@ -95,8 +95,8 @@ def test_what_an_actuator_says_because_it_steers_is_no_fault(readiness):
 
 
 STOPS = {
-    "line": (lambda b: b.controller.update(tractor_lateral_error=1.6), Cause.LINE_LOST),
-    "trailer's line": (lambda b: b.controller.update(trailer_lateral_error=-1.6), Cause.LINE_LOST),
+    "line": (lambda b: b.controller.update(tractor_lateral_error=0.41), Cause.LINE_LOST),
+    "trailer's line": (lambda b: b.controller.update(trailer_lateral_error=-0.41), Cause.LINE_LOST),
     "line unknown": (lambda b: b.controller.update(trailer_lateral_error=math.nan), Cause.LINE_LOST),
     "position": (lambda b: b.controller.update(lateral_deviation=0.31), Cause.POSITION_LOST),
     "swapped": (lambda b: b.controller.update(status=int(Status.BACKWARDS)), Cause.RECEIVERS_SWAPPED),
@@ -128,6 +128,31 @@ def test_what_stops_driving_keeps_steering_until_it_stands(name):
     bench.run(0.6)
     assert bench.state is STOPPED
     assert told(bench) == [b"tractor off", b"trailer off"]
+
+
+@pytest.mark.parametrize("beside", [{"tractor_lateral_error": 0.5}, {"trailer_heading_error": -0.1}])
+def test_a_vehicle_may_be_farther_from_its_line_until_it_has_come_onto_it(beside):
+    bench = Bench()
+    bench.controller = dict(beside)
+    bench.drive().run(1.0)
+    bench.controller.update(trailer_lateral_error=1.4)
+    bench.run(1.0)
+    assert bench.state is ACTIVE
+    bench.controller.update(trailer_lateral_error=1.6)
+    bench.run(0.2)
+    assert (bench.state, bench.cause) == (STOPPING, Cause.LINE_LOST)
+
+
+def test_a_vehicle_that_is_engaged_again_is_on_its_way_again():
+    bench = driving()
+    bench.ask(Action.STOP)
+    bench.controller = {"wheel_speed": 0.0, "receiver_speed": 0.0}
+    bench.run(2.0)
+    assert bench.state is STOPPED
+    bench.controller = {"tractor_lateral_error": 0.8}
+    bench.ask(Action.ACKNOWLEDGE)
+    bench.drive().run(1.0)
+    assert bench.state is ACTIVE
 
 
 DEGRADING = {

@@ -27,7 +27,7 @@ class Alteration:
     """of the whole file that defines it, Python"""
 
     def apply(self, run: "Simulation | Trial") -> None:
-        """Change a run that has not begun."""
+        """Change a run that has not begun, or, as its fault, a trial at the fault's place."""
         names: dict[str, Any] = {"__name__": "alterations"}
         exec(compile(self.source, FILE_NAME, "exec"), names)
         names[self.name](run)

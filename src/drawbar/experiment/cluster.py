@@ -12,7 +12,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from itertools import islice
 from multiprocessing import resource_tracker
-from typing import Any, TypeVar
+from typing import Any, Self, TypeVar
 
 import dask
 from dask.system import CPU_COUNT
@@ -44,6 +44,11 @@ class Failure:
     """Why a call has no result."""
 
     reason: str
+
+    @classmethod
+    def of(cls, error: BaseException) -> Self:
+        """Return the failure of a call that raised."""
+        return cls(reason=str(error) if isinstance(error, DrawbarError) else f"{type(error).__name__}: {error}")
 
 
 @contextmanager
@@ -144,11 +149,10 @@ def call_all(
                 "the Dask scheduler is gone; finished runs are kept: start it again, with its workers, "
                 "and the same command continues"
             )
-        yield key, outcome if future.status == "finished" else Failure(reason=_reason(outcome))
+        yield key, outcome if future.status == "finished" else _failure(outcome)
         completed.update(list(submitted(1)))
 
 
-def _reason(outcome: Any) -> str:
-    """Say why a call failed, from what Dask gives in place of a result: an exception, alone or with its traceback."""
-    error = outcome[1] if isinstance(outcome, tuple) else outcome
-    return str(error) if isinstance(error, DrawbarError) else f"{type(error).__name__}: {error}"
+def _failure(outcome: Any) -> Failure:
+    """Return the failure that Dask gives in place of a result: an exception, alone or with its traceback."""
+    return Failure.of(outcome[1] if isinstance(outcome, tuple) else outcome)

@@ -110,7 +110,8 @@ class ExperimentSettings(Settings):
     columns: Texts = ()
     """what is kept of a run step by step, see Task.columns"""
     rehearsed: bool = False
-    """drive on stand-ins of all devices, see Task.rehearsed; alterations are functions of a Trial"""
+    """drive on stand-ins of all devices, see Task.rehearsed; alterations are functions of a Trial, and a variant's is
+    its fault"""
     one_at_a_time: bool = False
     """for figures of time: no other run beside the one that is measured, and that one on a single core"""
     changes: Texts = ()
@@ -153,7 +154,9 @@ class Experiment:
     configurations: Mapping[str, str]
     """complete TOML by name of the case (`CASE: VARIANT` where there are variants)"""
     alterations: Mapping[str, tuple[Alteration, ...]]
-    """by name of the case"""
+    """by name of the case; of a rehearsed one without its fault"""
+    faults: Mapping[str, Alteration]
+    """by name of the case: what the alteration of its variant is where runs are rehearsed"""
     expected: Mapping[str, Mapping[str, Expectation]]
     """by name of the case, then by name of the figure"""
     seeds: Mapping[str, int]
@@ -188,6 +191,7 @@ class Experiment:
                     one_core=one_core,
                     rehearsed=self.settings.rehearsed,
                     alterations=self.alterations[name],
+                    fault=self.faults.get(name),
                 )
                 for seed in range(seeds or self.seeds[name])
             ]
@@ -239,7 +243,15 @@ def load_experiment(folder: Path) -> Experiment:
         folder=folder,
         settings=settings,
         configurations=_configurations(folder, settings, there),
-        alterations={name: _alterations(folder, *each) for name, each in there.items()},
+        alterations={
+            name: _alterations(folder, (case,) if settings.rehearsed else (case, variant))
+            for name, (case, variant) in there.items()
+        },
+        faults={
+            name: find_alteration(folder, variant.alteration)
+            for name, (_, variant) in there.items()
+            if settings.rehearsed and variant.alteration
+        },
         expected={
             name: figures
             for name, (case, variant) in driven.items()
@@ -306,5 +318,5 @@ def _configurations(
     return found
 
 
-def _alterations(folder: Path, case: Case, variant: Variant) -> tuple[Alteration, ...]:
-    return tuple(find_alteration(folder, each.alteration) for each in (case, variant) if each.alteration)
+def _alterations(folder: Path, changed: Sequence[Variant]) -> tuple[Alteration, ...]:
+    return tuple(find_alteration(folder, each.alteration) for each in changed if each.alteration)

@@ -1,6 +1,6 @@
 """Measuring an experiment: drive every run that has no result yet, and collect all of them."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,8 +9,9 @@ from distributed import Client
 from drawbar.experiment.cluster import Failure, call_all
 from drawbar.experiment.experiment import Experiment
 from drawbar.experiment.progress import RunsProgress
+from drawbar.experiment.shared_approach import grouped, run_tasks
 from drawbar.experiment.store import ResultStore
-from drawbar.experiment.task import Result, Task, compile_solvers, digest, run_task, solver_sections, source_digest
+from drawbar.experiment.task import Result, Task, compile_solvers, digest, solver_sections, source_digest
 
 RUNS_FOLDER = ".runs"
 """in the experiment's folder: finished runs, for the same command to continue from"""
@@ -52,15 +53,24 @@ def measure_cases(
     failures: dict[str, str] = {}
     _compile(client, missing.values(), progress)
     progress.begin("runs", len(tasks), done=len(results))
-    for key, outcome in call_all(client, run_task, missing, at_once=at_once):
+    for task, outcome in _outcomes(client, grouped(missing.values()), at_once):
         reason = _refusal(outcome)
         if isinstance(outcome, Result) and not reason:
-            results[key] = outcome
-            store.put(tasks[key], outcome)
+            results[task.key] = outcome
+            store.put(task, outcome)
         else:
-            failures[key] = reason
+            failures[task.key] = reason
         progress.advance(reason)
     return {name: _runs(tasks, results, failures) for name, tasks in cases.items()}
+
+
+def _outcomes(
+    client: Client, groups: Mapping[str, Sequence[Task]], at_once: int | None
+) -> Iterator[tuple[Task, Result | Failure]]:
+    """Yield what came of every task, group by group as they are done."""
+    for key, outcomes in call_all(client, run_tasks, groups, at_once=at_once):
+        of_each = [outcomes] * len(groups[key]) if isinstance(outcomes, Failure) else outcomes
+        yield from zip(groups[key], of_each, strict=True)
 
 
 def _refusal(outcome: Result | Failure) -> str:
@@ -75,8 +85,8 @@ def _refusal(outcome: Result | Failure) -> str:
 def _compile(client: Client, tasks: Iterable[Task], progress: RunsProgress) -> None:
     """Compile what the runs will need; what cannot be built here fails, and says so, in its runs."""
     needed: dict[str, str] = {}
-    for task in tasks:
-        needed.setdefault(solver_sections(task.configuration), task.configuration)
+    for configuration in {task.configuration for task in tasks}:
+        needed.setdefault(solver_sections(configuration), configuration)
     progress.begin("solvers", len(needed))
     arguments = {digest(source_digest(), sections): configuration for sections, configuration in needed.items()}
     for _ in call_all(client, compile_solvers, arguments):

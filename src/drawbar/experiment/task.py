@@ -7,7 +7,7 @@ from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 import numpy as np
@@ -24,6 +24,9 @@ from drawbar.recording.log import RunLog
 from drawbar.report.metrics import Metrics, compute_metrics
 from drawbar.report.path_errors import Bodies, PathErrors, true_path_errors
 from drawbar.simulation import Simulation
+
+if TYPE_CHECKING:
+    from drawbar.experiment.trial import Trial
 
 _BESIDE_THE_RUN = ("benchmark", "experiment", "cli")
 """what of the package no figure of a run depends on, but for these files of experiment"""
@@ -50,14 +53,17 @@ class Task:
     """stay on a single core of the processor, for figures of time"""
     alterations: tuple[Alteration, ...] = ()
     """applied before the run begins, one after the other"""
+    fault: Alteration | None = None
+    """of a rehearsed run: applied to its Trial at the fault's place"""
     rehearsed: bool = False
     """drive on stand-ins of all devices, with receivers' bytes, gate and boards (trial.py), not on the plain machine"""
 
     @property
     def key(self) -> str:
         """Return what tells this task's result from every other's, and from that of another drawbar."""
-        alterations = [text for each in self.alterations for text in (each.name, each.source)]
-        kept = (*self.columns, "altered by", *alterations)
+        altered = [text for each in self.alterations for text in (each.name, each.source)]
+        fault = ["fault", self.fault.name, self.fault.source] if self.fault else []
+        kept = (*self.columns, "altered by", *altered, *fault)
         return digest(
             source_digest(),
             controller_source(self.configuration),
@@ -88,7 +94,7 @@ def run_task(task: Task) -> Result:
         AttributeError: there is no such column.
     """
     if task.rehearsed:
-        return _rehearse(task)
+        return watched_trial(approached_trial(task), task)
     with on_one_core() if task.one_core else nullcontext():
         log, deviations = _simulate(task)
     errors = true_path_errors(log)
@@ -145,11 +151,27 @@ def _bytes_to_array(_kind: Any, value: bytes) -> Floats:
     return np.frombuffer(value)
 
 
-def _rehearse(task: Task) -> Result:
-    from drawbar.experiment.trial import watch_trial  # it brings the whole machine along, which plain runs do not need
+def approached_trial(task: Task) -> "Trial":
+    """Return the trial of a rehearsed run, which has been driven to its fault's place.
 
-    configuration = Configuration.model_validate(tomllib.loads(task.configuration))
-    trial = watch_trial(configuration, task.seed, [each.apply for each in task.alterations])
+    Raises:
+        DrawbarError: the configuration cannot be built.
+        RuntimeError: the place was never reached.
+    """
+    from drawbar.experiment.trial import Trial  # it brings the whole machine along, which plain runs do not need
+
+    trial = Trial(Configuration.model_validate(tomllib.loads(task.configuration)), task.seed)
+    for each in task.alterations:
+        each.apply(trial)
+    trial.approach()
+    return trial
+
+
+def watched_trial(trial: "Trial", task: Task) -> Result:
+    """Return what comes of a trial at its fault's place."""
+    if task.fault:
+        task.fault.apply(trial)
+    trial.watch()
     log = trial.log()
     return Result(
         source=source_digest(),

@@ -3,7 +3,7 @@
 import math
 import random
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -29,6 +29,8 @@ _NEAR = 4.0
 """the path is searched so far around the last place, m"""
 _RESTS = 1.0
 """how long a vehicle that stands is watched after its steering has been released, s"""
+_MOVING = 0.05
+"""between two rows while nothing but the vehicle's motion changes, s"""
 _SAME = 1e-3
 """rad, s: half the wire's resolution of angles, and more"""
 WATCHED = (
@@ -38,6 +40,7 @@ WATCHED = (
 """columns `watch.NAME`: s since the fault; SupervisorState; code of its cause; boards that turn their wheel; m/s; m
 since the fault; signed distances of both bodies from the path, m; set points on the wire beyond the envelope; the
 gate's counts since the fault; flags of the control step"""
+_EVENTS = tuple(WATCHED.index(name) for name in ("state", "cause", "driving", "beyond"))
 
 
 class Trial:
@@ -62,8 +65,6 @@ class Trial:
         """puts the fault in"""
         self.watched = 16.0
         """longest time for which it is watched, s"""
-        self.interval = STEP * 1e-9
-        """between two rows of what is watched, s"""
         vehicle = configuration.vehicle
         limits = (vehicle.tractor_steering_limit, vehicle.trailer_steering_limit)
         self._envelope = Envelope(
@@ -94,34 +95,42 @@ class Trial:
 
         self.begin = begin
 
-    def watch(self) -> None:
-        """Drive to the fault's place, put it in, and watch what comes of it.
+    def approach(self) -> None:
+        """Drive to the fault's place.
 
         Raises:
-            RuntimeError: the place was never reached.
+            RuntimeError: it was never reached.
         """
         rehearsal = self.rehearsal
         while self.place > -math.inf and not (self._steered and self._near[0] >= self.place):
             if rehearsal.time > LONGEST:
                 raise RuntimeError(f"arc length {self.place} m was not reached, the gate says {rehearsal.gate_state}")
             self._advance()
-        self._rows.clear()
+
+    def watch(self) -> None:
+        """Put the fault in, and watch what comes of it."""
+        rehearsal, way, rested = self.rehearsal, 0.0, 0.0
         start, before = rehearsal.time, self._counts()
         for body in BODIES:
             self._judge_set_points(body)
+        self._keep(0.0, way, before)
         self.begin()
-        way, rested = 0.0, 0.0
         while rehearsal.time < start + self.watched and rested < _RESTS:
             self._advance()
             truth = rehearsal.machine.world.truth
             way += truth.speed * STEP * 1e-9
             rests = abs(truth.speed) < 0.02 and not self._steered and self.place > -math.inf
             rested = rested + STEP * 1e-9 if rests else 0.0
-            if self._rows and rehearsal.time - start < self._rows[-1][0] + self.interval - STEP * 0.5e-9:
-                continue
-            counts = [after - count for after, count in zip(self._counts(), before, strict=True)]
-            self._rows.append((rehearsal.time - start, *self._state(), truth.speed, way, *self._errors, self._beyond,
-                *counts, float(self._records[-1].flags) if self._records else 0.0))  # fmt: skip
+            self._keep(rehearsal.time - start, way, before)
+
+    def _keep(self, since: float, way: float, before: Sequence[int]) -> None:
+        """Keep a row of WATCHED, if it tells something that the last one does not; `before`: counts at the fault."""
+        speed, flags = self.rehearsal.machine.world.truth.speed, self._records[-1].flags if self._records else 0
+        counts = [after - count for after, count in zip(self._counts(), before, strict=True)]
+        row = (since, *self._state(), speed, way, *self._errors, self._beyond, *counts, float(flags))
+        last = self._rows[-1] if self._rows else None
+        if last is None or row[0] > last[0] + _MOVING - STEP * 0.5e-9 or any(row[i] != last[i] for i in _EVENTS):
+            self._rows.append(row)
 
     def log(self) -> RunLog:
         """Return the log of the control step, whose outcome is that it was watched to the end."""
@@ -134,8 +143,8 @@ class Trial:
         )
 
     def column(self, name: str) -> Floats:
-        """Return one of WATCHED, (n,), every `interval` from the fault on."""
-        return np.array([row[WATCHED.index(name)] for row in self._rows])
+        """Return one of WATCHED, (n,), from the fault on: every 0.05 s, and where one of _EVENTS changes."""
+        return np.array([row[WATCHED.index(name)] for row in self._rows], dtype=np.float64)
 
     @property
     def _steered(self) -> bool:
@@ -181,12 +190,3 @@ def _joined(first: LinkFault, second: LinkFault) -> LinkFault:
     return lambda now, data: [
         (delay + more, last) for delay, each in first(now, data) for more, last in second(now, each)
     ]
-
-
-def watch_trial(configuration: Configuration, seed: int, alterations: Iterable[Callable[[Trial], None]]) -> Trial:
-    """Return a trial that has been watched, with these alterations, the last one's last."""
-    trial = Trial(configuration, seed)
-    for alteration in alterations:
-        alteration(trial)
-    trial.watch()
-    return trial

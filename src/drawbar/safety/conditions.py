@@ -44,6 +44,8 @@ class Observation:
     """rad"""
     lateral_error: float = math.nan
     """larger magnitude of both bodies, m"""
+    on_line: bool = False
+    """they have been on the line since they were engaged"""
     heading_error: float = math.nan
     """larger magnitude of both bodies, rad"""
     hitch_angle: float = math.nan
@@ -125,7 +127,7 @@ _PRESENT: dict[Cause, Present] = {
     Cause.POSITION_LOST: lambda o, s: not (o.lateral_deviation <= s.drive.lateral_deviation),
     Cause.HEADING_UNSURE: lambda o, s: not (o.heading_deviation <= s.engage.heading_deviation),
     Cause.OFF_LINE: lambda o, s: not (o.lateral_error <= s.engage.lateral_error),
-    Cause.LINE_LOST: lambda o, s: not (o.lateral_error <= s.drive.lateral_error),
+    Cause.LINE_LOST: lambda o, s: not (o.lateral_error <= (s.drive.leaving if o.on_line else s.drive.lateral_error)),
     Cause.ACROSS_LINE: lambda o, s: not (o.heading_error <= s.engage.heading_error),
     Cause.HITCH_ANGLE: lambda o, s: not (abs(o.hitch_angle) <= s.engage.hitch_angle),
     Cause.HITCH_FOLDED: lambda o, s: not (abs(o.hitch_angle) <= s.drive.hitch_angle),

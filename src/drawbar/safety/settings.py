@@ -89,7 +89,9 @@ class DriveSettings(Settings):
     lateral_deviation: Positive = 0.08
     """standard deviation across the line at which to stop, m"""
     lateral_error: Positive = 1.5
-    """distance of either body from the line at which to stop, m"""
+    """distance of either body from the line at which to stop, on the way onto it, m"""
+    leaving: Positive = 0.4
+    """the same once both have been within 0.1 m of it, m: the vehicle does not follow"""
     hitch_angle: PositiveAngle = math.radians(60.0)
     """at which to release the steering, rad"""
     overruns: Steps = 3

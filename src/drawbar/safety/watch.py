@@ -15,6 +15,8 @@ from drawbar.safety.settings import SafetySettings
 from drawbar.safety.speeds import Speeds
 from drawbar.statuses import FixQuality, Status
 
+_ON_LINE = (0.1, math.radians(3.0))
+"""distance, m, and direction, rad, within which a vehicle that is steered has come onto its line"""
 _SKIPPED = 0.5
 """for which a receiver may report nothing, as where epochs are lost in transit, without having lost its RTK fix, s"""
 
@@ -43,6 +45,8 @@ class Watch:
         self._state_time = self._recorded = self._guarded = -math.inf
         self._fixed_since, self._fixed = math.nan, [-math.inf, -math.inf]
         self._overruns: deque[tuple[float, int]] = deque(maxlen=1024)
+        self._on_line = False
+        """it has been on its line since it was engaged"""
         self.command: CommandMessage | None = None
         """the last one that was admitted"""
         self.speeds = Speeds(settings)
@@ -121,6 +125,10 @@ class Watch:
         state = self._state
         if state is None:
             return {}
+        lateral = largest(state.tractor_lateral_error, state.trailer_lateral_error)
+        heading = largest(state.tractor_heading_error, state.trailer_heading_error)
+        arrives = lateral <= _ON_LINE[0] and heading <= _ON_LINE[1]
+        self._on_line = supervisor in STEERING and (self._on_line or arrives)
         return {
             "configured": state.configuration == self._fingerprint,
             "solved": state.solved,
@@ -130,8 +138,9 @@ class Watch:
             "correction_age": state.correction_age,
             "lateral_deviation": state.lateral_deviation,
             "heading_deviation": state.heading_deviation,
-            "lateral_error": largest(state.tractor_lateral_error, state.trailer_lateral_error),
-            "heading_error": largest(state.tractor_heading_error, state.trailer_heading_error),
+            "lateral_error": lateral,
+            "heading_error": heading,
+            "on_line": self._on_line,
             "hitch_angle": state.hitch_angle,
             "backwards": state.status == Status.BACKWARDS,
             "rejected": Cause.POSITION_REJECTED.value in state.notices,

@@ -73,6 +73,7 @@ def test_a_set_point_beyond_the_envelope_is_seen(experiment: Experiment, analysi
     trial.place, trial.watched = 3.0, 0.5
     wide = SteerCommand(steer=True, angle=0.7, speed=1.0).encode()
     trial.begin = lambda: trial.rehearsal.links.send(trial.rehearsal.time, "tractor set point", wide, lambda data: None)
+    trial.approach()
     trial.watch()
     assert trial.column("beyond")[-1] == 1.0
     assert trial.column("time")[-1] == pytest.approx(0.5, abs=0.01)
