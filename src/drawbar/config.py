@@ -259,7 +259,7 @@ def _validated(data: dict[str, Any], origin: str) -> Configuration:
     try:
         return Configuration.model_validate(data)
     except ValidationError as error:
-        lines = [explained(problem, data) for problem in error.errors()]
+        lines = explained(error, data)
         head = f"{origin}: {len(lines)} wrong value(s)."
         if not {"estimator", "controller"} <= data.keys():  # a first file: hardly meant to be complete
             lines.append('  Begin the file with extends = "articulated": then only what differs has to be given.')

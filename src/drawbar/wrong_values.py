@@ -3,6 +3,8 @@
 import reprlib
 from typing import Any
 
+from pydantic import ValidationError
+
 _REASONS = {
     "missing": "is missing; add it",
     "union_tag_not_found": "{discriminator} is missing; add it",
@@ -16,8 +18,17 @@ _REASONS = {
 """where pydantic's own words would be those of a programmer"""
 
 
-def explained(problem: Any, data: dict[str, Any], *, root: str = "configuration") -> str:
-    """Return one line: key, what was given, what is allowed; root: what the data are as a whole."""
+def explained(error: ValidationError, data: dict[str, Any], *, root: str = "configuration") -> list[str]:
+    """Return a line for each wrong value: key, what was given, what is allowed; root: what the data are as a whole."""
+    return [_line(problem, data, root) for problem in error.errors() if not _is_long_enough(problem)]
+
+
+def _is_long_enough(problem: Any) -> bool:
+    """Whether a list is called too short only because pydantic leaves its wrong entries out of the count."""
+    return bool(problem["type"] == "too_short" and len(problem["input"]) >= problem["ctx"]["min_length"])
+
+
+def _line(problem: Any, data: dict[str, Any], root: str) -> str:
     kind, context, key = problem["type"], problem.get("ctx", {}), _key(problem, data)
     message = problem["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
     if "discriminator" in context:  # pydantic names the key, or the function that finds it

@@ -18,6 +18,7 @@ from short_run import FILES, SHORT, Drawbar
 from drawbar.cli import options
 from drawbar.config import load_configuration
 from drawbar.recording.log import read_log
+from drawbar.recording.recorder import Recorder
 
 ROOT = Path(__file__).parents[2]
 
@@ -207,6 +208,20 @@ def test_of_two_runs_at_a_time_one_has_the_folder(
     assert code == 2
     assert "out: holds a run already (config.toml)" in said
     assert (tmp_path / "out" / "log.mcap").read_bytes() == before
+
+
+def test_a_run_that_is_on_is_not_overwritten(drawbar: Drawbar, tmp_path: Path) -> None:
+    assert drawbar("run", *SHORT, "--out", "out")[0] == 0
+    log = read_log(tmp_path / "out" / "log.mcap")
+    with Recorder(tmp_path / "out" / "log.mcap", log.header) as recorder:
+        recorder.write(log.records[0])
+        before = (tmp_path / "out" / "config.toml").read_bytes()
+        code, said = drawbar("run", *SHORT, "--seed", "1", "--out", "out", "--force")
+        assert (code, "another run is recorded there; wait until" in " ".join(said.split())) == (2, True)
+        recorder.write(log.records[1])
+    assert len(read_log(tmp_path / "out" / "log.mcap").records) == 2
+    assert (tmp_path / "out" / "config.toml").read_bytes() == before
+    assert drawbar("run", *SHORT, "--out", "out", "--force")[0] == 0
 
 
 @pytest.mark.parametrize("width", [40, 60, 79])

@@ -78,6 +78,7 @@ WRONG_VALUES = {
     "estimator=3": ("estimator = 3", "section with keys"),
     "path.radii=[]": ("path.radii = []", "at least 1"),
     "path.radii=[8.0, -2.0]": ("path.radii.1 = -2.0", "greater than 0"),
+    "path.radii=[0.0]": ("path.radii.0 = 0.0", "greater than 0"),
     "path.radii=3": ("path.radii = 3", "list"),
     'path.track="Cu 275.4°"': ("path: track = 'Cu 275.4°'", "path.file"),
     "machine.events=[{}]": ("machine.events.0: 'kind' is missing",),

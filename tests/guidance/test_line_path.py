@@ -8,6 +8,7 @@ import pytest
 
 from drawbar.codegen import build
 from drawbar.codegen.library import load
+from drawbar.errors import PathError
 from drawbar.geometry import Floats
 from drawbar.guidance.figure_eight import figure_eights
 from drawbar.guidance.importers.line import _LONGEST, _SHORTEST, RecordedLine
@@ -82,6 +83,17 @@ def test_a_kink_is_refused_and_the_node_named(line_path) -> None:
     status, node, _ = line_path(np.array([[0.0, 0.0], [20.0, 0.0], [20.0, 20.0]]))
     assert status == TIGHT
     assert abs(node - 80) < 8, "20 m from the start, in steps of 0.25 m"
+
+
+def test_a_line_that_goes_back_and_forth_near_an_end_is_refused_in_both_languages(line_path) -> None:
+    """Smoothed, it has a piece longer than a path may have."""
+    there, on = np.arange(0.0, 2.1, 0.5), np.arange(2.0, 50.0, 0.5)
+    east = np.concatenate([there, [1.5], on])  # half a metre back
+    points = np.column_stack([east, 0.005 * np.sin(7.0 * east)])
+    for given in (points, points[::-1]):
+        with pytest.raises(PathError, match=r"near .* m it goes back and forth: redraw the line without this turn"):
+            in_python(given, (0.3, 0.3, 0.5))
+        assert line_path(given, (0.3, 0.3, 0.5))[0] == TIGHT
 
 
 def test_a_point_that_the_path_leaves_is_refused_and_named(line_path) -> None:

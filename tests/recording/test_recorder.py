@@ -12,7 +12,7 @@ from arbitrary_logs import arbitrary_step, assert_identical, header, write, writ
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 
-from drawbar.errors import DrawbarError
+from drawbar.errors import DrawbarError, StorageError
 from drawbar.guidance.figure_eight import figure_eights
 from drawbar.recording import chunk
 from drawbar.recording.log import read_log
@@ -124,6 +124,18 @@ def test_recorded_points_are_few_and_the_worst_is_among_them(count):
     assert recorded.deviation == 0.4
     assert recorded.points[0, 0] == 0.0
     assert np.diff(recorded.points[:, 0]).max() <= np.ceil(count / 3000)
+
+
+def test_one_run_at_a_time_records_into_a_file(tmp_path):
+    """A second one loses nothing of the first; it may once that has ended."""
+    file = tmp_path / "log.mcap"
+    with Recorder(file, header()) as recorder:
+        recorder.write(arbitrary_step(1))
+        with pytest.raises(StorageError, match=r"another run is recorded there; wait until it has ended, or choose"):
+            Recorder(file, header())
+        recorder.write(arbitrary_step(2))
+    assert len(read_log(file).records) == 2
+    assert len(write(file, 1)) == len(read_log(file).records)
 
 
 def test_a_killed_process_leaves_every_step_of_a_real_machine(tmp_path):

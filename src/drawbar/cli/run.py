@@ -100,9 +100,13 @@ def _held(folder: FilePath, there: list[str]) -> DrawbarError:
 
 def _new_folder(chosen: FilePath | None, config: "Configuration", seed: int, *, force: bool) -> FilePath:
     """Return the folder for the results with config.toml in it, which only one of several runs at a time can make."""
+    from drawbar.recording.log import LOG_NAME
+    from drawbar.recording.recorder import demand_not_recorded
+
     folder = chosen or _unused_folder(f"{config.name}-seed{seed}")
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        demand_not_recorded(folder / LOG_NAME)
         with (folder / CONFIGURATION_NAME).open("w" if force else "x", encoding="utf-8") as file:
             file.write(config.to_toml())
     except FileExistsError as error:

@@ -182,6 +182,8 @@ ERRORS_DE: Mapping[str, str] = {
     "line without this turn":
         "Linie {0} ist nicht fahrbar: bei ({1}; {2}) m bleibt ihre {3} bei {4} {5}; erlaubt sind {6} {7}: die Linie "
         "ohne diese Kurve zeichnen",
+    "line {} cannot be made drivable: near ({}, {}) m it goes back and forth: redraw the line without this turn":
+        "Linie {0} ist nicht fahrbar: bei ({1}; {2}) m geht sie hin und zurück: die Linie ohne diese Kehre zeichnen",
     "curvature": "Krümmung",
     "curvature rate": "Änderung der Krümmung",
     "the path's tightest curve, {} 1/m, needs {} rad ({}°) of the front wheels, which vehicle.tractor_steering_limit "

@@ -280,7 +280,7 @@ def _settings(file: Path) -> ExperimentSettings:
     try:
         return ExperimentSettings.model_validate(data)
     except ValidationError as error:
-        lines = [explained(problem, data, root="experiment") for problem in error.errors()]
+        lines = explained(error, data, root="experiment")
         raise ConfigurationError("\n".join([f"{file}: {len(lines)} wrong value(s).", *lines])) from error
 
 

@@ -194,7 +194,7 @@ static inline int32_t line_undrivable(const struct drawbar_line_row *rows, const
         drawbar_path_sample(&piece, 0.0, at);
         drawbar_path_sample(&piece, 0.5 * length, middle);
         const double rate = i > 0 ? fabs(at[AT_CURVATURE] - last[AT_CURVATURE]) / length : 0.0;
-        if (!(fmax(fabs(at[AT_CURVATURE]), fabs(middle[AT_CURVATURE])) <= limits->curvature)
+        if (!(length <= PATH_LONGEST) || !(fmax(fabs(at[AT_CURVATURE]), fabs(middle[AT_CURVATURE])) <= limits->curvature)
             || !(rate <= LINE_RATE_MARGIN * limits->curvature_rate))
             return i;
         last[AT_CURVATURE] = at[AT_CURVATURE];

@@ -16,6 +16,8 @@
 #include "geometry.h"
 #include "line_offset.h"
 
+#define PATH_LONGEST 0.275                 /* longest piece, m: 0.25 m and an arc's excess over its chord */
+
 struct path {
     const struct drawbar_path_node *nodes;
     int32_t count;

@@ -6,7 +6,6 @@
 
 #define PATH_FARTHEST 1e7                  /* largest number in a table, m or rad: a larger one leaves too few digits */
 #define PATH_SHORTEST 0.999e-3             /* shortest piece, m, 1 mm but for rounding: bounds how many a search meets */
-#define PATH_LONGEST 0.275                 /* longest piece, m: 0.25 m and an arc's excess over its chord */
 #define PATH_TIGHTEST 2.0                  /* largest yaw change per length, 1/m: more is a kink */
 #define PATH_GAP 0.01                      /* largest distance of a node from where its piece ends, per length */
 

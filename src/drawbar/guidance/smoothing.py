@@ -34,6 +34,8 @@ _RATE_MARGIN = 1.1
 _LONGEST_STRETCH = 2000.0
 """longest stretch that is worked on at once, m"""
 _FEWEST_PIECES = 8
+_LONGEST_PIECE = 0.275
+"""between two nodes, m: PATH_LONGEST of path.h; a line that goes back and forth near an end makes longer ones"""
 _PROJECTION_STEPS = 20
 _PROJECTED = 1e-4
 """a recorded point is projected when it is no further than this ahead of its foot point, m"""
@@ -200,12 +202,19 @@ def _require_short(line: RecordedLine, points: Complexes, step: float) -> None:
 
 
 def _require_drivable(path: Path, name: str, limits: LineLimits) -> None:
-    """Refuse a path whose curvature, or its rate from node to node, is out of the limits, saying where."""
+    """Refuse a path whose curvature, its rate from node to node, or pieces are out of the limits, saying where."""
+    pieces = np.diff(path.nodes[:, 0])
+    if pieces.max() > _LONGEST_PIECE:
+        _, x, y, _ = path.nodes[int(pieces.argmax())]
+        raise PathError(
+            f"line {name!r} cannot be made drivable: near ({x:z.1f}, {y:z.1f}) m it goes back and forth: redraw the "
+            f"line without this turn"
+        )
     nodes = path.nodes[:-1, 0]
     samples = path.sample(nodes)
-    middle = path.sample(nodes + 0.5 * np.diff(path.nodes[:, 0]))
+    middle = path.sample(nodes + 0.5 * pieces)
     rate = np.zeros(len(nodes))
-    rate[1:] = np.diff(samples[:, 3]) / np.diff(nodes)
+    rate[1:] = np.diff(samples[:, 3]) / pieces[:-1]
     curvature = np.maximum(np.abs(samples[:, 3]), np.abs(middle[:, 3]))
     for what, values, limit, unit in (
         ("curvature", curvature, limits.curvature, "1/m"),

@@ -5,10 +5,12 @@ A step is written as the bytes that C made of it, behind the four that say that 
 
 import math
 import os
+import sys
 import time
 from contextlib import suppress
+from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import BinaryIO, Self
 
 import msgspec
 
@@ -26,6 +28,37 @@ STEP_NAME, DEFINITION, CDR = "drawbar/msg/StepRecord", "ros2msg", "cdr"
 _HELD_BACK = 20_000_000
 """how long a step may wait before it reaches the operating system, ns; adding those of a fast simulation in a go is
 quicker than one by one between other work"""
+
+
+def demand_not_recorded(file: Path) -> None:
+    """Raise StorageError where another run records into a file."""
+    with suppress(FileNotFoundError), file.open("rb") as stream:
+        _take(stream, file)
+
+
+def _take(stream: BinaryIO, file: Path) -> None:
+    """Lock a file until it is closed, so that one run at a time records into it; where there are no locks, do nothing.
+
+    Raises:
+        StorageError: another run records into it.
+    """
+    if sys.platform == "win32":
+        return
+    import fcntl  # POSIX alone has it
+
+    try:
+        fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError as error:
+        raise StorageError(
+            f"{file}: another run is recorded there; wait until it has ended, or choose another folder"
+        ) from error
+    except OSError:  # a file system without locks
+        return
+
+
+def _untruncated(name: str, flags: int) -> int:
+    """Open a file as it is: what another run has recorded stays until the file is this run's."""
+    return os.open(name, flags & ~os.O_TRUNC, 0o666)
 
 
 class Recorder:
@@ -46,7 +79,7 @@ class Recorder:
             level: zstd's, of the compression; None: there is none.
 
         Raises:
-            StorageError: the file cannot be created.
+            StorageError: the file cannot be created, or another run is recorded there.
             DrawbarError: an argument is none.
         """
         self._file, self._steps, self._kept = demand_path("file", file), 0, 0
@@ -58,10 +91,13 @@ class Recorder:
         """steps that are not handed over: their bytes, numbers, times (s) and when they came (ns since 1970)"""
         demand("header", header, RunHeader, "give that of Simulation.header() or run_header()")
         try:
-            self._stream = self._file.open("wb")
+            self._stream = open(self._file, "wb", opener=_untruncated)  # noqa: SIM115 - it stays open
             try:
+                _take(self._stream, self._file)
+                if os.fstat(self._stream.fileno()).st_size:  # a device has no length
+                    self._stream.truncate()
                 self._begin(header, level)
-            except OSError:
+            except (OSError, StorageError):
                 self.give_up()
                 raise
         except OSError as error:

@@ -24,8 +24,8 @@ enum drawbar_line_status {
                                             * single precision: beyond 10 km, longer than 10 km); or a limit that is
                                             * not positive */
     DRAWBAR_LINE_MEMORY = 3,               /* more nodes are needed than there is room for: `made` says how many */
-    DRAWBAR_LINE_TIGHT = 4,                /* bends, or changes its curvature, faster than the vehicle can: `made` is
-                                            * the first such node */
+    DRAWBAR_LINE_TIGHT = 4,                /* bends, or changes its curvature, faster than the vehicle can, or goes
+                                            * back and forth: `made` is the first such node */
     DRAWBAR_LINE_FAR = 5                   /* a recorded point is further from the path than the tolerance: `made` is
                                             * the furthest */
 };
