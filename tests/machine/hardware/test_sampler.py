@@ -262,3 +262,19 @@ def test_samples_stay_with_the_slower_receiver(away):
         samples += [measured] if measured is not None else []
     assert all(measured.trailer_x == -3.0 for measured in samples[-10:])
     assert all(measured.tractor_x == 1.0 for measured in samples[-10:])
+
+
+def test_a_late_epoch_from_before_the_last_sample_moves_no_sample():
+    """Found with a fifth of both receivers' epochs 0.25 s late: a repeated time, and the steering was released."""
+    sampler = Sampler(0.2)
+    epochs = [SECOND + k * SECOND // 5 for k in range(8)]
+    for epoch in epochs[:5]:
+        sampler.take(fixes(epoch, 60_000_000))
+    tractor, trailer = {"trailer_x": math.nan}, {"tractor_x": math.nan}
+    sampler.take(fixes(epochs[5], 125_000_000, **tractor, **trailer))
+    sampler.take(fixes(epochs[6], 100_000_000, **trailer))
+    assert sampler.take(fixes(epochs[5], 375_000_000, **tractor)) is None
+    missed = sampler.miss()
+    assert sampler.take(fixes(epochs[6], 290_000_000, **tractor)) is None
+    later = sampler.take(fixes(epochs[7], 100_000_000, **trailer))
+    assert later is None or later.time > missed.time + 0.1

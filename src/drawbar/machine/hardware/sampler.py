@@ -77,7 +77,7 @@ class Sampler:
         if self._start is None:
             self._start = sample
         elif sample < (self._last + self._period * _MOVING_STEP if moves else self._due - self._earliest()):
-            if moves:  # too soon after the last sample: its successor is the next one
+            if moves and sample > self._last:  # too soon after the last sample: its successor is the next one
                 self._due = sample + self._period
             self._sensors = _without_antennas(fixes)
             self.dropped += 1
