@@ -80,13 +80,8 @@ def drive(
     require_extra("machine", "drawbar drive")
     if with_console and pace != 1:
         raise ConfigurationError(f"--console shows a drive in real time; leave out --pace {pace}, or --console")
-    if remember and shadow:
-        raise ConfigurationError("--remember keeps what steering shows, --shadow steers nothing; leave out one of them")
-    if remember and not FilePath(configuration).is_file():
-        raise ConfigurationError(
-            f"--remember writes beside a configuration's file, {configuration} is none; give a file, or leave out "
-            "--remember"
-        )
+    if remember:
+        _demand_what_is_remembered(configuration, shadow=shadow)
     changes = [*_line_change(configuration, track, changes or []), *(changes or [])]
     config, stand_ins = _configured(configuration, changes, pace)
     runs = str(out.parent if out else "runs")
@@ -104,6 +99,19 @@ def drive(
             keep_steerings(FilePath(configuration), folder / LOG_NAME)
     if failed:
         raise SystemExit(1)
+
+
+def _demand_what_is_remembered(configuration: str, *, shadow: bool) -> None:
+    """Raise ConfigurationError where a drive shows nothing of the steerings, or where that cannot be written."""
+    from drawbar.errors import ConfigurationError
+
+    if shadow:
+        raise ConfigurationError("--remember keeps what steering shows, --shadow steers nothing; leave out one of them")
+    if not FilePath(configuration).is_file():
+        raise ConfigurationError(
+            f"--remember writes beside a configuration's file, {configuration} is none; give a file, or leave out "
+            "--remember"
+        )
 
 
 def _line_change(name: str, track: str, changes: list[str]) -> list[str]:

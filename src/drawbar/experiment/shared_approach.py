@@ -1,7 +1,7 @@
 """Rehearsed runs that differ in their fault alone: the drive to its place is driven once, then copied for each.
 
-The copies are forks of a process of its own, which has one thread. What they tell is bit for bit what each run tells
-by itself. Where a process cannot be forked, each run is driven by itself.
+The copies are forks of a process with one thread, started for that. The results are bit for bit those of each run
+driven by itself, as it is where there is no fork (all but Linux).
 """
 
 import gc

@@ -107,9 +107,10 @@ class Session:
             return b""
         if answer is not Answer.STREAM:
             self.refused = self._reader.code in _REFUSALS if answer is Answer.REFUSED else answer is not Answer.NONSENSE
-            self.failure = f"the caster {answer.value}; {_ADVICE[answer]}"
             if self._reader.code:
                 self.failure = f"the caster {answer.value} ({self._reader.code}); {_ADVICE[answer]}"
+            else:
+                self.failure = f"the caster {answer.value}; {_ADVICE[answer]}"
             return b""
         if self.state is CorrectionsState.ASKING:
             self.state = CorrectionsState.LISTENING
