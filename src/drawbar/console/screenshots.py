@@ -8,6 +8,7 @@ distribution.
 import shutil
 import sys
 import time
+from argparse import ArgumentParser
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -32,7 +33,12 @@ def main() -> int:
     """Take all pictures."""
     from playwright.sync_api import sync_playwright
 
-    address, folder, *fields = f"{sys.argv[1].rstrip('/')}/", Path(sys.argv[2]), *sys.argv[3:4]
+    parser = ArgumentParser(prog="python -m drawbar.console.screenshots", description=main.__doc__)
+    parser.add_argument("address", help="of the console, http://…")
+    parser.add_argument("folder", type=Path, help="for the pictures")
+    parser.add_argument("field", nargs="?", help="file that the fields page imports")
+    given = parser.parse_args()
+    address, folder, fields = f"{given.address.rstrip('/')}/", given.folder, [given.field] if given.field else []
     program = chromium_path()
     if program is None:
         print(f"screenshots need one of: {', '.join(BROWSERS)}", file=sys.stderr)
