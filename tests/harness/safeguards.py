@@ -59,6 +59,10 @@ class RunMonitor(Alone):
         """Compile the run monitor."""
         super().__init__(run_monitor_unit(SanitySettings(), VehicleParameters()))
 
-    def watch(self, estimate: Estimate, tractor: BodyReference) -> MonitorVerdict:
-        """Judge one step by its estimate and the tractor's reference."""
-        return MonitorVerdict(self.call("watch", given(estimate), byref(CBodyReference.of(tractor))))
+    def rejoin(self) -> None:
+        """Begin the way onto another path."""
+        self.call("rejoin")
+
+    def watch(self, estimate: Estimate, tractor: BodyReference, *, released: bool = False) -> MonitorVerdict:
+        """Judge one step by its estimate and the tractor's reference; `released`: somebody else steers."""
+        return MonitorVerdict(self.call("watch", given(estimate), byref(CBodyReference.of(tractor)), int(released)))

@@ -15,7 +15,9 @@ from drawbar.safety.sanity import SanitySettings
 from drawbar.signals import BodyReference, FixStatus, MonitorVerdict
 from drawbar.vehicle.parameters import VehicleParameters
 
-LOST, BLIND, DEVIATION = (getattr(SanitySettings(), name) for name in ("lost", "blind", "blind_deviation"))
+LOST, LEAVING, BLIND, DEVIATION = (
+    getattr(SanitySettings(), name) for name in ("lost", "leaving", "blind", "blind_deviation")
+)
 HEADING, STEERING = 0.013, 0.0056
 """as in run_monitor.py, rad"""
 BLIND_WAY = brentq(
@@ -40,6 +42,32 @@ def test_near_the_path_the_run_goes_on(error):
 @pytest.mark.parametrize("error", [-1.001 * LOST, 1.001 * LOST, math.inf, math.nan])
 def test_too_far_from_the_path_or_nowhere_it_is_given_up(error):
     assert RunMonitor().watch(SEEN, beside(error)) is MonitorVerdict.OFF_COURSE
+
+
+def followed(way=6.0, **watched):
+    """Return a monitor of a tractor that has followed the path so far, m, and the estimate after that."""
+    monitor = RunMonitor()
+    for time in np.arange(3.0, 3.0 + way, 0.2):
+        assert monitor.watch(replace(SEEN, time=time, speed=1.0), beside(0.09), **watched) is MonitorVerdict.ON_COURSE
+    return monitor, replace(SEEN, time=time + 0.2, speed=1.0)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_tractor_that_has_followed_the_path_must_stay_nearer(side):
+    monitor, now = followed()
+    assert monitor.watch(now, beside(side * LEAVING)) is MonitorVerdict.ON_COURSE
+    assert monitor.watch(replace(now, time=now.time + 0.2), beside(1.001 * side * LEAVING)) is MonitorVerdict.OFF_COURSE
+
+
+def test_on_the_way_onto_another_path_it_may_be_as_far_from_it_as_at_the_start():
+    monitor, now = followed()
+    monitor.rejoin()
+    assert monitor.watch(now, beside(LOST)) is MonitorVerdict.ON_COURSE
+
+
+def test_one_that_only_crosses_the_path_or_is_steered_by_somebody_else_need_not():
+    for monitor, now in (followed(4.0), followed(released=True)):
+        assert monitor.watch(now, beside(LOST)) is MonitorVerdict.ON_COURSE
 
 
 @pytest.mark.parametrize("lost", [FixStatus.MISSING, FixStatus.STALE, FixStatus.REJECTED])

@@ -6,7 +6,7 @@ from drawbar.codegen import Unit
 from drawbar.safety.sanity import SanitySettings
 from drawbar.vehicle.parameters import VehicleParameters
 
-_SETTINGS = ("lost", "blind", "blind_deviation")
+_SETTINGS = ("lost", "leaving", "blind", "blind_deviation")
 _HEADING, _STEERING = 0.013, 0.0056
 """standard deviations of heading and steering when the last fix is lost, rad: what they make of the way is what the
 estimator's own covariance says (tests/safety/test_blind.py)"""

@@ -122,8 +122,9 @@ int drawbar_gate_check(struct component *component, const struct drawbar_command
 int drawbar_gate_skip(struct component *component, struct drawbar_command *given);
 
 int drawbar_run_monitor_initialise(struct component *component);
+void drawbar_run_monitor_rejoin(struct component *component);
 int drawbar_run_monitor_watch(struct component *component, const struct drawbar_estimate *estimate,
-                             const struct drawbar_body_reference *tractor);
+                             const struct drawbar_body_reference *tractor, int released);
 
 enum { TRACTOR_BODY, TRAILER_BODY, BOTH_BODIES };
 

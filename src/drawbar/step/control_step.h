@@ -189,7 +189,7 @@ static int watch_run(struct autopilot *a, const struct drawbar_measurement *meas
     double departure;
     int ended;
 
-    switch (drawbar_run_monitor_watch(COMPONENT(a->run_monitor), now, tractor)) {
+    switch (drawbar_run_monitor_watch(COMPONENT(a->run_monitor), now, tractor, a->released)) {
     case OFF_COURSE:
         return DRAWBAR_OFF_COURSE;
     case BLIND:

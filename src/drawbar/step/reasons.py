@@ -39,8 +39,7 @@ def reason(status: Status, before: Status, record: StepRecord, autopilot: Autopi
     """Say why a run has ended; `before`: the status of the step before its last."""
     at = f"At {record.measurement.time:.1f} s"
     if status is Status.OFF_COURSE:
-        away, limit = abs(record.reference.tractor.lateral_error), _live(autopilot, "run_monitor", "lost")
-        return f"{at} the tractor was {away:.2f} m from the path (limit {limit:g} m)."
+        return f"{at} {_off_course(abs(record.reference.tractor.lateral_error), autopilot)}"
     if status is Status.BLIND:
         return f"{at} {_without_fixes(autopilot)}"
     if status is Status.STEERING:
@@ -58,6 +57,17 @@ def reason(status: Status, before: Status, record: StepRecord, autopilot: Autopi
     if status is Status.GUIDANCE:
         return f"{at} {_lost(record.estimate, autopilot)}"
     return f"{at} the run was {status.text}."
+
+
+def _off_course(away: float, autopilot: Autopilot) -> str:
+    """Say how far (m) the tractor was from the path, and how far it may be."""
+    lost, leaving = (_live(autopilot, "run_monitor", name) for name in ("lost", "leaving"))
+    if away > lost or math.isnan(away):
+        return f"the tractor was {away:.2f} m from the path (limit {lost:g} m)."
+    return (
+        f"the tractor, which had followed the path, was {away:.2f} m from it (limit {leaving:g} m, sanity.leaving): "
+        f"its steering does not suffice for the path, or does not do what is commanded."
+    )
 
 
 def _without_fixes(autopilot: Autopilot) -> str:

@@ -142,6 +142,7 @@ int drawbar_change_path(struct drawbar_state *state, const struct drawbar_path_n
     if (drawbar_guidance_change(COMPONENT(a->guidance), &path, arc_length, &a->made.estimate)
         != DRAWBAR_GUIDANCE_FINE)
         return DRAWBAR_ELSEWHERE;
+    drawbar_run_monitor_rejoin(COMPONENT(a->run_monitor));
     a->path = path;
     follow_path(a);
     return DRAWBAR_OK;
