@@ -30,7 +30,8 @@ from drawbar.guidance.path import Path as DrivenPath
 from drawbar.machine.stand_in.board import Output
 from drawbar.machine.stand_in.machine import SENSORS
 from drawbar.message_records import decode, encode
-from drawbar.messages import Action, GateState, Message, SupervisorState, seconds
+from drawbar.messages import Action, GateState, Message, SupervisorState
+from drawbar.nanoseconds import seconds
 from drawbar.realtime import schedule_first
 from drawbar.safety.channels import LARGEST, controller_pair
 from drawbar.transports.clock import MachineClock

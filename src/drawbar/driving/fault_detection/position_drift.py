@@ -33,7 +33,8 @@ from drawbar.driving.fault_detection.displacement_error import (
     VelocityIntegral,
     mean_of,
 )
-from drawbar.messages import Fixes, seconds
+from drawbar.messages import Fixes
+from drawbar.nanoseconds import seconds
 from drawbar.signals import FixQuality, Measurement
 
 _WINDOW = 2.0
