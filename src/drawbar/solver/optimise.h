@@ -39,8 +39,8 @@ static COLD int qp_regularised(struct qp *s, struct interior_point *ip, int32_t 
     return status == SOLVED || status == INFEASIBLE ? status : reason;
 }
 
-/* Back to the solution without bounds. */
-static void qp_afresh(struct qp *s)
+/* Discard what was found with bounds: back to the solution without them. */
+static void qp_discard_bounds(struct qp *s)
 {
     memset(s->multiplier, 0, sizeof s->multiplier);
     memset(s->violation, 0, sizeof s->violation);
@@ -77,12 +77,12 @@ static int qp_active(struct qp *s, union bounds_work *work)
         outcome = qp_checked(s, &work->newton);
         if (outcome == PN_CONVERGED)
             return 1;
-        qp_afresh(s);
+        qp_discard_bounds(s);
     }
     if (COLUMNS && outcome == PN_COUPLED && qp_active_set(s, &work->active)) {
         if (kkt_check(s, 1, gradient, defect) == SOLVED)
             return 1;
-        qp_afresh(s);
+        qp_discard_bounds(s);
     }
     return 0;
 }
@@ -125,7 +125,7 @@ static int qp_optimise(struct qp *s, struct solver_resources *resources)
         const int status = kkt_check(s, s->iterations > 0, gradient, defect);
         if (status == SOLVED || s->iterations == 0)
             return status == SOLVED ? SOLVED : qp_regularised(s, &work->ip, &resources->iterations, status);
-        qp_afresh(s);
+        qp_discard_bounds(s);
     } else if (!bounds_at_first(s) && qp_active(s, work))
         return SOLVED;
     s->factored = 0;                       /* the barrier changes it */
