@@ -17,7 +17,6 @@
 #define IP_ITERATIONS 80                   /* a unit whose time is short says less */
 #endif
 #define IP_TOLERANCE 1e-12                 /* on the relative KKT residual */
-#define CORRECTOR_REJECTIONS 4             /* of one solution, after which all steps are centring steps */
 #define STALLED 2                          /* long steps one after the other that leave the residual as it was: rounding */
 #define STALL_RATIO 0.9                    /* of the least residual so far */
 #define REGULARISED_VIOLATION 1e-7         /* of bounds, above which dual regularisation is not raised: there may be no point */

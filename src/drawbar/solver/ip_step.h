@@ -7,6 +7,7 @@
 
 #define FRACTION_TO_BOUNDARY 0.995         /* of the way to the nearest boundary, that a step may go */
 #define CENTRING 0.3                       /* centring parameter of a step without the second-order term */
+#define CORRECTOR_REJECTIONS 4             /* of one solution, after which all steps are centring steps */
 
 /* Largest of a number for each slot, none negative; 0 at least. */
 static double largest_entry(const double *restrict values)
