@@ -48,6 +48,7 @@ CALIBRATION = (
     "driving/preparation/hand_calibration.py",
     "driving/preparation/dead_bands.py",
     "driving/preparation/push_calibration.py",
+    "driving/preparation/steering_memory.py",
     "machine/hardware/calibration.py",
     "machine/hardware/calibration_plans.py",
     "machine/hardware/valve_calibration.py",
