@@ -13,7 +13,8 @@ from drawbar.driving.fault_detection.confirmation import Confirmation
 from drawbar.driving.fault_detection.fault_exclusion import FaultExclusion
 from drawbar.estimation.alignment import YAW_GATE
 from drawbar.geometry import wrap
-from drawbar.messages import Fixes, GateState, SupervisorState, seconds
+from drawbar.messages import Fixes, GateState, SupervisorState
+from drawbar.nanoseconds import seconds
 from drawbar.safety.causes import Cause
 from drawbar.signals import FixStatus, StepRecord
 from drawbar.step.autopilot import Autopilot
