@@ -24,12 +24,14 @@ from drawbar.driving.stand_in.device_transports import BoardLine, CanLine, DataL
 from drawbar.driving.stand_in.rehearsal import LOOK, STEP, Part
 from drawbar.driving.stand_in.simulated_links import SimulatedLinks
 from drawbar.driving.stand_in.stand_in_machine import stand_in_machine
-from drawbar.driving.stand_in.stand_in_main import PRIORITY, StandIns
+from drawbar.driving.stand_in.stand_in_main import PRIORITY
+from drawbar.driving.stand_in.stand_ins import StandIns
 from drawbar.guidance.path import Path as DrivenPath
 from drawbar.machine.stand_in.board import Output
 from drawbar.machine.stand_in.machine import SENSORS
 from drawbar.message_records import decode, encode
-from drawbar.messages import Action, GateState, Message, SupervisorState, seconds
+from drawbar.messages import Action, GateState, Message, SupervisorState
+from drawbar.nanoseconds import seconds
 from drawbar.realtime import schedule_first
 from drawbar.safety.channels import LARGEST, controller_pair
 from drawbar.transports.clock import MachineClock

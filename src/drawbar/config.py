@@ -18,6 +18,7 @@ from drawbar.control.settings import (
     PurePursuitSettings,
     TricycleControllerSettings,
     TubeSettings,
+    is_module_and_class,
 )
 from drawbar.errors import ConfigurationError, demand, demand_path
 from drawbar.estimation.settings import (
@@ -131,7 +132,7 @@ class Configuration(Settings):
     def _controller_of_ones_own(cls, data: Any) -> Any:
         """Take `controller.model = "module:Class"` for what it is short for."""
         section = data.get("controller") if isinstance(data, dict) else None
-        if not isinstance(section, dict) or not isinstance(model := section.get("model"), str) or ":" not in model:
+        if not isinstance(section, dict) or not is_module_and_class(model := str(section.get("model"))):
             return data
         return {**data, "controller": {**section, "model": "external", "implementation": model}}
 

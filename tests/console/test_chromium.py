@@ -252,6 +252,28 @@ def test_whatever_stands_above_them_no_stop_is_cut_off_on_a_low_phone(drive, pag
     assert max(page.locator(".stops button").evaluate_all(bottoms)) <= height
 
 
+TITLE_BEFORE_STOP = """() => {
+  const words = document.createRange();
+  words.selectNodeContents(document.querySelector(".page-bar .word"));
+  return document.querySelector(".bar-stop").getBoundingClientRect().left - words.getBoundingClientRect().right;
+}"""
+"""px between the title and STOP"""
+
+
+@pytest.mark.parametrize("language", ["en", "de"])
+def test_on_the_narrowest_phone_no_word_reaches_stop_or_leaves_its_button(drive, page, language):
+    page.set_viewport_size({"width": 320, "height": 568})
+    page.goto(f"{drive}language/{language}")
+    page.locator(".why li").first.wait_for()
+    too_wide = "(all) => all.filter((each) => each.scrollWidth > each.clientWidth).map((each) => each.innerText)"
+    assert page.locator(".stops button").evaluate_all(too_wide) == []
+    for name in ("fields", "setup", "runs", "inside"):
+        page.goto(drive + name)
+        page.locator(".page-bar .word").wait_for()
+        assert page.evaluate(TITLE_BEFORE_STOP) > 0, name
+        assert page.evaluate("document.documentElement.scrollWidth") <= 320, name
+
+
 def test_signals_are_plotted_by_their_words_with_their_names_beside(drive, page):
     page.goto(f"{drive}inside")
     page.wait_for_function("[...plots.values()].some(({ rows }) => rows.length > 3)")

@@ -48,6 +48,7 @@ CALIBRATION = (
     "driving/preparation/hand_calibration.py",
     "driving/preparation/dead_bands.py",
     "driving/preparation/push_calibration.py",
+    "driving/preparation/steering_memory.py",
     "machine/hardware/calibration.py",
     "machine/hardware/calibration_plans.py",
     "machine/hardware/valve_calibration.py",
@@ -158,7 +159,9 @@ def test_every_reason_for_missing_corrections_is_in_german_too():
     told |= {each.value for each in (Phase.RESOLVING, Phase.CONNECTING, Phase.SECURING)}
     assert len(told) > 15
     assert told - set(ERRORS_DE) == set()
-    english = "the caster refuses the user name or the password (401); check what corrections.credentials leads to"
+    english = (
+        "the caster refuses the user name or the password (401); check what devices.corrections.credentials leads to"
+    )
     assert GERMAN(english).startswith("der Caster lehnt Benutzernamen oder Passwort ab (401); prüfen, wohin")
     assert (
         GERMAN("the caster rtk.example.org:2101: no byte for 10 s")

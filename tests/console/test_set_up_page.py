@@ -298,6 +298,42 @@ async def test_a_drive_by_hand_calibrates_and_is_refused_while_the_vehicle_is_st
     assert len(log.steered) == 1
 
 
+@staged
+async def test_what_was_steered_shows_the_steerings_for_the_next_drive(stage, browser):
+    from drawbar.simulation import Simulation
+
+    changes = ["path.radii=[8.0]", "machine.actuators.dead_time=0.3", "machine.actuators.lag_factor=1.5"]
+    with Simulation(load_configuration("articulated", changes)) as simulation:
+        records = list(simulation.steps())
+    one = await browser().open("/setup")
+    stage.run(4.0)
+    one.refresh()
+
+    async def evaluated():
+        one.press("● Begin")
+        for record in records:
+            stage.link.hand_log.receive_step(record, engaged=True)
+        stage.link.hand_log.receive_gate(replace(stage.link.gate, steers=3))
+        one.refresh()
+        one.press("■ End and evaluate")
+        await until(lambda: "Found:" in one.text())
+        one.refresh()
+        one.press("Save the result")
+
+    await evaluated()
+    assert "✓ front wheels: dead time: 0." in one.text()
+    assert "a stand-in: what it shows is not saved" in one.notifications()
+    assert stage.next_drive.versions.all() == []
+    stage.next_drive.configuration = stage.next_drive.driven  # a machine with devices
+    await evaluated()
+    (version,) = stage.next_drive.versions.all()
+    remembered = load_configuration(str(version.file)).actuation.remembered
+    for steering in (remembered.tractor, remembered.trailer):
+        assert (steering.dead_time, steering.lag) == pytest.approx((0.3, 0.45), rel=0.3)
+    shown = "actuation.remembered.tractor.dead_time"
+    assert shown not in one.text(), "keys of the configuration are no words for people"
+
+
 def test_a_line_whose_version_was_never_written_does_not_stop_the_next(tmp_path):
     versions, configuration = Versions(tmp_path), load_configuration("articulated")
     versions.write(versions.next_file("articulated", ".geojson"), b"{}")  # and then the power was gone

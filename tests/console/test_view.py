@@ -105,14 +105,14 @@ def test_what_the_controller_tells_of_sensors_is_said_with_what_to_do(stage, wor
 
 
 def test_why_no_corrections_come_is_shown_while_somebody_says_so(stage):
-    told = "the caster has no such mount point (404); check corrections.mount"
+    told = "the caster has no such mount point (404); check devices.corrections.mount"
     stage.receive_controller()
     stage.link.receive(pack(CorrectionsFailure(told)))
     shown = board(stage.link.gate, DE, stale=False, mine=True, holder="a", drives=True,
                   corrections=stage.link.corrections_failure)  # fmt: skip
     assert shown.reasons[-1] == (
         "Es kommen keine Korrekturen.",
-        "der Caster kennt diesen Mountpoint nicht (404); corrections.mount prüfen",
+        "der Caster kennt diesen Mountpoint nicht (404); devices.corrections.mount prüfen",
     )
     stage.link.receive(pack(CorrectionsFailure("")))
     assert stage.link.corrections_failure == ""

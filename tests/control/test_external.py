@@ -86,7 +86,8 @@ def test_what_is_not_a_number_is_refused_and_stops_the_vehicle(mine):
         ("nowhere_at_all:Mine", "No module named 'nowhere_at_all'"),
         ("math:Mine", "has no attribute 'Mine'"),
         ("collections:OrderedDict", "OrderedDict is not a subclass of drawbar.Controller"),
-        ("not a name:Mine", "is not MODULE:CLASS, for example"),
+        ("not a name:Mine", "  controller: 'model' = 'not a name:Mine' is not one of .*, MODULE:CLASS of your own"),
+        (":", "  controller: 'model' = ':' is not one of .*, MODULE:CLASS of your own"),
         ("mine", "'lqr', MODULE:CLASS of your own"),
     ],
 )

@@ -6,18 +6,22 @@ from pathlib import Path
 FORCED = (
     ("kkt.h", "#define CHECK_TOLERANCE 1e-8", "#define CHECK_TOLERANCE (-1.0)"),
     ("kkt.h", "if (worst <= CHECK_TOLERANCE && !(gap <= ", "if (1 || !(gap <= "),
-    ("ip_start.h", "if (!(farthest > FAR_OUT))", "if (farthest < 0.0)"),
+    ("ip_start.h", "if (!(farthest > FARTHEST_START))", "if (farthest < 0.0)"),
     ("interior_point.h", "if (s->kkt <= IP_TOLERANCE)", "if (0)"),
     (
-        "interior_point.h",
-        "if (ip_measure(ip, step) < mu)",
-        "if (ip->astray == ASTRAY - 1 && s->iterations < IP_ITERATIONS)",
+        "ip_step.h",
+        "if (ip_duality_measure(ip, step) < mu)",
+        "if (ip->rejected_correctors == CORRECTOR_REJECTIONS - 1 && s->iterations < IP_ITERATIONS)",
     ),
-    ("interior_point.h", "if (ip->stalled < STALLED)", "if (0)"),
-    ("interior_point.h", "ip_outside(s) < LOOSEN_OUTSIDE", "ip_outside(s) >= 0.0"),
-    ("interior_point.h", "if (!(damped > 0.5 * left))", "if (0)"),
-    ("interior_point.h", "if (ip->infeasible > FARKAS_FORGIVEN)", "if (0)"),
-    ("interior_point.h", "ip_loosen(ip))\n            continue;", "ip_loosen(ip))\n            __builtin_trap();"),
+    ("interior_point.h", "if (ip->stalled_steps < STALLED)", "if (0)"),
+    ("interior_point.h", "ip_bound_violation(s) < REGULARISED_VIOLATION", "ip_bound_violation(s) >= 0.0"),
+    ("ip_regularisation.h", "if (!(regularised > 0.5 * left))", "if (0)"),
+    ("interior_point.h", "if (ip->farkas_margin > FARKAS_FORGIVEN)", "if (0)"),
+    (
+        "interior_point.h",
+        "ip_raise_dual_regularisation(ip))\n            continue;",
+        "ip_raise_dual_regularisation(ip))\n            __builtin_trap();",
+    ),
     ("interior_point.h", "return ip_end(s, ip, NOT_FINITE);", "__builtin_trap();"),
     ("approach.h", "{fmax(room, fabs(from->offset)), APPROACH_TIGHTER * limits->curvature, ", "{1e9, 1e9, "),
     ("approach.h", "pose[2], most.widest)", "pose[2], fmax(room, fabs(from->offset)))"),
@@ -63,7 +67,7 @@ ROUTES = {
         ("active_set.h", "if (!(pivot > ACTIVE_ROUNDING * own))", "if (0)"),
         ("active_set.h", "if (!(fabs(a->nu[r]) <= s->soft_linear[a->member[r]]))", "if (0)"),
     ),
-    "damped": (("optimise.h", "violated |= (value < s->lower[i]) | (value > s->upper[i]);", "(void)value;"),),
+    "regularised": (("optimise.h", "violated |= (value < s->lower[i]) | (value > s->upper[i]);", "(void)value;"),),
 }
 """the three ways into the interior point, likewise"""
 

@@ -78,7 +78,7 @@ def test_a_flat_cost_is_drawn_to_its_bounds_no_harder_than_it_takes(number: int)
 
 
 @pytest.mark.parametrize("number", [190, 302, 562])
-def test_damping_gives_way_to_what_the_cost_hardly_determines(number: int) -> None:
-    """A curvature of 1e-9 beside damping of 1e-8: each iteration left nine tenths of the residual."""
+def test_primal_regularisation_gives_way_to_what_the_cost_hardly_determines(number: int) -> None:
+    """A curvature of 1e-9 beside a regularisation of 1e-8: each iteration left nine tenths of the residual."""
     truth = hostile_problem("drawn", number)
     assert judge(truth, drawbar(truth.problem)) == Verdict.SOLVED

@@ -87,7 +87,7 @@ def test_the_angle_is_capped_by_lateral_acceleration(speed, degrees):
 
 
 @pytest.mark.parametrize(
-    ("speed", "degrees"), [(0.0, 20.0), (1.0, 20.0), (2.0, 20.0), (3.0, 17.8), (4.2, 9.1), (-4.2, 9.1)]
+    ("speed", "degrees"), [(0.0, 25.0), (1.0, 25.0), (2.5, 25.0), (3.0, 17.8), (4.2, 9.1), (-4.2, 9.1)]
 )
 def test_the_rate_is_capped_by_lateral_jerk(speed, degrees):
     assert math.degrees(Envelope(SETTINGS, BOUNDS).rate_cap(speed)) == pytest.approx(degrees, abs=0.05)
@@ -119,7 +119,7 @@ def test_a_set_point_may_lead_its_rate_and_lasting_motion_may_not_exceed_it(axis
     for tick in range(12):
         measured = envelope.angles  # a steering that follows at once
         limited = envelope.limit(command(10.0 + 0.1 * tick, *wanted), measured, 1.0, eased=eased)
-        reached = share * 20.0 * DEGREE * (LIMITS.steering_lead + 0.1 * tick)
+        reached = share * 25.0 * DEGREE * (LIMITS.steering_lead + 0.1 * tick)
         assert limited.angles[axis] == pytest.approx(sign * min(reached, 1.4), abs=1e-6)
         assert limited.angles[1 - axis] == 0.0
         assert limited.clipped
@@ -129,9 +129,9 @@ def test_time_between_commands_is_no_credit():
     envelope = begun(bounds=Bounds(wheelbase=1.4, tractor_limit=1.5, trailer_limit=1.5))
     envelope.limit(command(10.0, 16.0 * DEGREE), (16.0 * DEGREE, 0.0), 1.0)
     limited = envelope.limit(command(15.0, 1.4), (16.0 * DEGREE, 0.0), 1.0)
-    assert limited.angles[0] == pytest.approx(min(4.0 + 16.0, 16.0 + 15.0) * DEGREE), "0.2 s of it at most"
+    assert limited.angles[0] == pytest.approx(min(5.0 + 20.0, 16.0 + 15.0) * DEGREE), "0.2 s of it at most"
     back = envelope.limit(command(14.0, 1.4), (16.0 * DEGREE, 0.0), 1.0)
-    assert back.angles[0] == pytest.approx(20.0 * DEGREE), "nor does time run backwards"
+    assert back.angles[0] == pytest.approx(25.0 * DEGREE), "nor does time run backwards"
 
 
 @pytest.mark.parametrize("axis", [0, 1])

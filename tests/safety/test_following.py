@@ -32,8 +32,24 @@ def test_a_steering_that_does_not_move_is_stuck(sign):
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_stuck_steering_does_not_hide_behind_a_set_point_that_changes_sides(sign):
     assert followed(lambda t: 0.0, lambda t: sign * (6.0 if t % 0.8 < 0.4 else -6.0)).stuck
-    assert not followed(lambda t: 0.0, lambda t: sign * (6.0 if t % 0.6 < 0.2 else 1.0)).stuck, "it is seldom far off"
+
+    def slightly(t):
+        return 0.1 * math.sin(8.0 * t)
+
+    assert not followed(slightly, lambda t: sign * (6.0 if t % 0.6 < 0.2 else 1.0)).stuck, "it is seldom far off"
     assert not followed(lambda t: 2.0 * math.sin(8.0 * t), lambda t: sign * (6.0 if t % 0.8 < 0.4 else -6.0)).stuck
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_steering_that_rests_after_its_set_point_was_far_off_is_stuck(sign):
+    def asked(t):
+        return sign * (3.6 if 1.0 <= t < 1.22 else 0.5)
+
+    assert followed(lambda t: 0.04 * math.sin(8.0 * t), asked, 1.7).stuck
+    assert not followed(lambda t: 0.0, asked, 1.55).stuck, "it may have dead time"
+    assert not followed(lambda t: 0.0, lambda t: asked(t) * 3.4 / 3.6, 1.9).stuck, "so near it need not move"
+    late = followed(lambda t: sign * 5.0 * min(max(t - 1.5, 0.0), 0.2), asked, 3.0)
+    assert not late.stuck, "0.5 s of dead time, then it moves at 5°/s"
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

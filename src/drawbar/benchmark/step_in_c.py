@@ -20,26 +20,19 @@ _REPEATS = 5
 _UNIT = """
 #define _POSIX_C_SOURCE 199309L
 #include <stddef.h>
-#include <time.h>
-
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
+#include "clock.h"
 
 /* Drive along recorded measurements; the times of both phases of each step, s. */
 void run(int (*feedback)(void *, const void *, void *), int (*prepare)(void *), void *state, const char *measurements,
          size_t measurement, char *commands, size_t command, int count, double (*times)[2])
 {
     for (int i = 0; i < count; ++i) {
-        const double start = now();
+        const int64_t start = clock_now();
         feedback(state, measurements + i * measurement, commands + i * command);
-        const double commanded = now();
+        const int64_t commanded = clock_now();
         prepare(state);
-        times[i][0] = commanded - start;
-        times[i][1] = now() - commanded;
+        times[i][0] = 1e-9 * (double)(commanded - start);
+        times[i][1] = 1e-9 * (double)(clock_now() - commanded);
     }
 }
 """

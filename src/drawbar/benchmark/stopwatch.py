@@ -12,21 +12,14 @@ from drawbar.codegen.library import load
 _UNIT = """
 #define _POSIX_C_SOURCE 199309L
 #include <string.h>
-#include <time.h>
+#include "clock.h"
 
-static double now(void)
+/* What reading the clock itself costs, ns. */
+static int64_t clock_cost(void)
 {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-/* What reading the clock itself costs. */
-static double clock_cost(void)
-{
-    double least = 1.0;
+    int64_t least = INT64_MAX;
     for (int i = 0; i < 100; ++i) {
-        const double start = now(), time = now() - start;
+        const int64_t start = clock_now(), time = clock_now() - start;
         least = time < least ? time : least;
     }
     return least;
@@ -35,16 +28,16 @@ static double clock_cost(void)
 /* Shortest of several runs of a phase, each from the same recorded state, s. */
 double shortest(int (*phase)(void *), void *work, const void *recorded, size_t size, int repeats)
 {
-    const double cost = clock_cost();
-    double least = 1e9;
+    const int64_t cost = clock_cost();
+    int64_t least = INT64_MAX;
     for (int i = 0; i < repeats; ++i) {
         memcpy(work, recorded, size);
-        const double start = now();
+        const int64_t start = clock_now();
         phase(work);
-        const double time = now() - start - cost;
+        const int64_t time = clock_now() - start - cost;
         least = time < least ? time : least;
     }
-    return least;
+    return 1e-9 * (double)least;
 }
 """
 

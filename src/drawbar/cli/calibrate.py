@@ -44,7 +44,7 @@ def calibrate(
     config = load_configuration(str(configuration))
     if push == (log is not None):
         raise DrawbarError("calibrate needs a log or --push, one of them; give the folder of a drive, or --push")
-    found, source = (_in_log(log), log.name) if log is not None else (_pushed(config), "--push")
+    found, source = (_in_log(log), _drive_of(log)) if log is not None else (_pushed(config), "--push")
     for each in found:
         _tell(each)
     if not any(each.sets for each in found):
@@ -94,7 +94,7 @@ def remember(configuration: FilePath, log: FilePath) -> None:
     for each in found:
         _tell(each)
     if any(each.sets for each in found):
-        _write(configuration, found, log.parent.name)
+        _write(configuration, found, _drive_of(log))
     else:
         console.print("nothing of the steerings is kept for the next drive")
 
@@ -151,6 +151,13 @@ class Progress:
         if self._pushing.started:
             return f"dead band: run {min(self._pushing.bands.done + 1, 2 * RUNS)} of {2 * RUNS}"
         return "waiting for the vehicle to roll and for the switch to be held"
+
+
+def _drive_of(log: FilePath) -> str:
+    """Return by what a drive is known: its folder's name, or that of a log which was renamed."""
+    from drawbar.recording.log import LOG_NAME
+
+    return log.resolve().parent.name if log.name == LOG_NAME else log.name
 
 
 def _write(configuration: FilePath, found: "Sequence[CalibrationResult]", source: str) -> None:

@@ -29,40 +29,44 @@ if TYPE_CHECKING:
     from drawbar.driving.processes.drive_processes import DriveProcesses
 
 
+Track = Annotated[
+    str, typer.Option(metavar="NAME", help="line of path.file; nearest: the one at which the vehicle stands now")
+]
+Folder = Annotated[
+    FilePath | None,
+    typer.Option(parser=written, metavar="PATH", help="folder for log and report; default: a new one in runs/"),
+]
+ByHand = Annotated[bool, typer.Option("--by-hand", help="with stand-ins: engage by the keys, as on a machine")]
+Shadow = Annotated[
+    bool, typer.Option("--shadow", help="steer nothing: compare what would be commanded with what the driver does")
+]
+Remember = Annotated[
+    bool,
+    typer.Option(
+        "--remember",
+        help="afterwards write dead time, lag and rate of the steerings to NAME.calibrated.toml, for the next drive",
+    ),
+]
+Live = Annotated[bool, typer.Option("--live", help="show the log while it grows, to Foxglove on this computer")]
+LivePort = Annotated[int, typer.Option(min=0, max=65535, help="of --live; 0: a free one")]
+Seconds = Annotated[float, typer.Option(min=0.0, help="duration of the drive, s; 0: until it is ended")]
+WithConsole = Annotated[bool, typer.Option("--console", help="serve the operator's pages, and engage there")]
+
+
 @takes_pages
 def drive(
     configuration: ConfigurationName = "articulated",
     changes: Annotated[list[str] | None, changing("speed=0.8")] = None,
-    track: Annotated[
-        str,
-        typer.Option(metavar="NAME", help="line of path.file; nearest: the one at which the vehicle stands now"),
-    ] = "",
-    out: Annotated[
-        FilePath | None,
-        typer.Option(parser=written, metavar="PATH", help="folder for log and report; default: a new one in runs/"),
-    ] = None,
-    by_hand: Annotated[
-        bool, typer.Option("--by-hand", help="with stand-ins: engage by the keys, as on a machine")
-    ] = False,
-    shadow: Annotated[
-        bool, typer.Option("--shadow", help="steer nothing: tell what would have been done beside what the driver does")
-    ] = False,
-    remember: Annotated[
-        bool,
-        typer.Option(
-            "--remember",
-            help="afterwards write what was found of the steerings to NAME.calibrated.toml, for the next drive with it",
-        ),
-    ] = False,
-    live: Annotated[
-        bool, typer.Option("--live", help="show the log while it grows, to Foxglove on this computer")
-    ] = False,
-    live_port: Annotated[int, typer.Option(min=0, max=65535, help="of --live; 0: a free one")] = 8765,
-    seconds: Annotated[float, typer.Option(min=0.0, help="end after so long, s of the drive; 0: when told to")] = 0.0,
+    track: Track = "",
+    out: Folder = None,
+    by_hand: ByHand = False,
+    shadow: Shadow = False,
+    remember: Remember = False,
+    live: Live = False,
+    live_port: LivePort = 8765,
+    seconds: Seconds = 0.0,
     pace: Pace = 1,
-    with_console: Annotated[
-        bool, typer.Option("--console", help="serve the operator's pages, and engage there")
-    ] = False,
+    with_console: WithConsole = False,
     *,
     pages: Pages,
 ) -> None:
@@ -73,13 +77,12 @@ def drive(
     from drawbar.cli.calibrate import remember as keep_steerings
     from drawbar.cli.interrupts import Interrupts
     from drawbar.driving.processes.drive_processes import DriveProcesses
-    from drawbar.errors import ConfigurationError
     from drawbar.extras import require_extra
     from drawbar.recording.log import LOG_NAME
 
     require_extra("machine", "drawbar drive")
-    if with_console and pace != 1:
-        raise ConfigurationError(f"--console shows a drive in real time; leave out --pace {pace}, or --console")
+    if with_console:
+        _demand_real_time(pace)
     if remember:
         _demand_what_is_remembered(configuration, shadow=shadow)
     changes = [*_line_change(configuration, track, changes or []), *(changes or [])]
@@ -99,6 +102,14 @@ def drive(
             keep_steerings(FilePath(configuration), folder / LOG_NAME)
     if failed:
         raise SystemExit(1)
+
+
+def _demand_real_time(pace: int) -> None:
+    """Raise ConfigurationError where the console would show a drive at another pace."""
+    from drawbar.errors import ConfigurationError
+
+    if pace != 1:
+        raise ConfigurationError(f"--console shows a drive in real time; leave out --pace {pace}, or --console")
 
 
 def _demand_what_is_remembered(configuration: str, *, shadow: bool) -> None:
@@ -183,21 +194,21 @@ def _run(
 
 
 def _tell_said(lines: list[str]) -> None:
-    """Tell what the processes could not have, such as real-time scheduling: the first of it, and where the rest is."""
+    """Print the first warning of the processes, such as no real-time scheduling, and where the others are."""
     if lines:
         more = f" ({len(lines) - 1} more in messages.txt of the run's folder)" if len(lines) > 1 else ""
         console.print(f"{lines[0]}{more}", style="yellow", soft_wrap=True)
 
 
 def _shown_at(port: int) -> int:
-    """Return the port on which Foxglove finds the drive, and say so."""
+    """Return the port on which Foxglove finds the drive, and print its address."""
     chosen = free_port(LOCAL, port)
     console.print(f"live: open ws://{LOCAL}:{chosen} in Foxglove", soft_wrap=True)
     return chosen
 
 
 def _report(folder: FilePath, *, shadow: bool) -> None:
-    """Write the report, and tell what there is to tell at the end."""
+    """Write the report and print its summary; of a shadow drive also the differences from its driver."""
     from drawbar.driving.evaluation.shadow import COMPARED, steering_differences, tell
     from drawbar.errors import StorageError
     from drawbar.recording.columns import read_columns

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from nicegui import ui
 
+from drawbar.config import Configuration
 from drawbar.console.calibration_widgets import CURVE, StepList, list_found, plot_options
 from drawbar.console.hand_log import Driven
 from drawbar.console.link import Link
@@ -16,11 +17,13 @@ from drawbar.console.live_plot import Curve, LivePlot
 from drawbar.console.next_drive import NextDrive
 from drawbar.console.words import Words
 from drawbar.driving.preparation.dead_bands import dead_bands
-from drawbar.driving.preparation.hand_calibration import calibrate
+from drawbar.driving.preparation.hand_calibration import CalibrationResult, calibrate
 from drawbar.driving.preparation.hand_drive import HandDrive
+from drawbar.driving.preparation.steering_memory import steering_memory
 from drawbar.errors import ConfigurationError, DrawbarError
 from drawbar.machine.hardware.mounting_calibration import BACK
-from drawbar.signals import Measurement
+from drawbar.messages import GateState
+from drawbar.signals import Measurement, StepRecord
 
 _PERIOD = 1_000_000_000
 """between two pictures, ns"""
@@ -153,9 +156,7 @@ class CalibrationCard:
         try:
             if self._next_drive.driven.devices is None or (drive is None and not log.steered):
                 raise ConfigurationError(self._words("calibrate_nothing"))
-            found = await asyncio.to_thread(
-                lambda: [*(calibrate(self._next_drive.driven, drive) if drive else ()), *dead_bands(log.steered)]
-            )
+            found = await asyncio.to_thread(_evaluated, self._next_drive.driven, drive, log.steered, log.records)
         except DrawbarError as error:
             self._said.set_text(self._words.message(error))
             return
@@ -169,6 +170,14 @@ class CalibrationCard:
     def _save(self) -> None:
         if self._changes:
             self._keep_changes(self._changes)
+
+
+def _evaluated(
+    driven: Configuration, drive: HandDrive | None, steered: list[GateState], records: list[StepRecord]
+) -> list[CalibrationResult]:
+    """Return what a drive by hand shows, and what was steered shows of the steerings, as `drawbar calibrate` does."""
+    by_hand = calibrate(driven, drive) if drive is not None else ()
+    return [*by_hand, *dead_bands(steered), *(steering_memory(driven, records) if steered else ())]
 
 
 def _angles(measurement: Measurement) -> list[float | None]:

@@ -84,8 +84,10 @@ SET_UP_TEXTS: Mapping[str, tuple[str, str]] = {
         "Zwei Minuten Schlangenlinien, 4 s zu jeder Seite: wo die Antenne sitzt",
     ),
     "calibrate_steered": (
-        "Two minutes steered by drawbar along a line with slow curves: for the dead bands",
-        "Zwei Minuten drawbar lenken lassen, auf einer Linie mit sanften Kurven: für das Lenkspiel (Totbereich)",
+        "Two minutes steered by drawbar along a line with slow curves: dead band, dead time, lag and rate of both "
+        "steerings",
+        "Zwei Minuten drawbar lenken lassen, auf einer Linie mit sanften Kurven: Totbereich (Lenkspiel), Totzeit, "
+        "Verzögerung und Geschwindigkeit beider Lenkungen",
     ),
     "plotted_wheels": ("front wheels, °", "Vorderräder, °"),
     "plotted_joint": ("steered joint, °", "Lenkgelenk, °"),
@@ -98,6 +100,10 @@ SET_UP_TEXTS: Mapping[str, tuple[str, str]] = {
     "calibrate_nothing": (
         "Nothing can be evaluated: driven too briefly, or no devices.",
         "Nichts auszuwerten: zu kurz gefahren, oder keine Geräte.",
+    ),
+    "only_stand_ins": (
+        "The machine is a stand-in: what it shows is not saved.",
+        "Die Maschine ist nur nachgebildet: Was sie zeigt, wird nicht gespeichert.",
     ),
     "valve": ("Valve or motor without a loop of its own", "Ventil oder Motor ohne eigene Regelung"),
     "valve_help": (

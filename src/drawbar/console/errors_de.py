@@ -313,8 +313,8 @@ ERRORS_DE: Mapping[str, str] = {
     "the caster {}; {}": "der Caster {0}; {1}",
     "the caster {}: {}": "der Caster {0}: {1}",
     "the caster {} has ended the stream": "der Caster {0} hat den Strom beendet",
-    "the caster {} sends bytes, but no intact frame of RTCM 3; check corrections.mount":
-        "der Caster {0} schickt Bytes, aber keinen heilen Rahmen von RTCM 3; corrections.mount prüfen",
+    "the caster {} sends bytes, but no intact frame of RTCM 3; check devices.corrections.mount":
+        "der Caster {0} schickt Bytes, aber keinen heilen Rahmen von RTCM 3; devices.corrections.mount prüfen",
     "the caster takes no bytes": "der Caster nimmt keine Bytes an",
     "sends its table of mount points instead of corrections":
         "schickt seine Liste der Mountpoints statt Korrekturen",
@@ -322,11 +322,11 @@ ERRORS_DE: Mapping[str, str] = {
     "has no such mount point": "kennt diesen Mountpoint nicht",
     "refuses the request": "lehnt die Anfrage ab",
     "answers something that is not NTRIP": "antwortet etwas, das nicht NTRIP ist",
-    "check corrections.mount": "corrections.mount prüfen",
-    "check what corrections.credentials leads to": "prüfen, wohin corrections.credentials führt",
+    "check devices.corrections.mount": "devices.corrections.mount prüfen",
+    "check what devices.corrections.credentials leads to": "prüfen, wohin devices.corrections.credentials führt",
     "check corrections.version, and ask the caster's operator":
         "corrections.version prüfen und den Betreiber des Casters fragen",
-    "check corrections.host, port and tls": "corrections.host, port und tls prüfen",
+    "check devices.corrections.host, port and tls": "devices.corrections.host, port und tls prüfen",
     "no connection within {} s while {}": "keine Verbindung innerhalb von {0} s ({1})",
     "looking up the name": "beim Suchen des Namens",
     "connecting": "beim Verbinden",

@@ -36,17 +36,20 @@ class Driven:
 
 
 class HandLog:
-    """Keeps steps while it is on; of what drawbar steers, the gate's states."""
+    """Keeps steps while it is on, and the gate's states in which drawbar steers."""
 
     def __init__(self) -> None:
         """Begin with nothing."""
         self.is_on = False
         self._records: deque[StepRecord] = deque(maxlen=_MOST)
+        self._by_hand: deque[StepRecord] = deque(maxlen=_MOST)
+        """of these, in which drawbar does not steer"""
         self._states: deque[GateState] = deque(maxlen=_MOST)
 
     def begin(self) -> None:
         """Forget what was kept, and keep what comes."""
         self._records.clear()
+        self._by_hand.clear()
         self._states.clear()
         self.is_on = True
 
@@ -56,8 +59,11 @@ class HandLog:
 
     def receive_step(self, record: StepRecord, *, engaged: bool) -> None:
         """Take in a step."""
-        if self.is_on and not engaged:
-            self._records.append(record)
+        if not self.is_on:
+            return
+        self._records.append(record)
+        if not engaged:
+            self._by_hand.append(record)
 
     def receive_gate(self, state: GateState) -> None:
         """Take in a state of the gate."""
@@ -76,9 +82,14 @@ class HandLog:
         """The states in which drawbar steered."""
         return list(self._states)
 
+    @property
+    def records(self) -> list[StepRecord]:
+        """All steps, by hand and steered."""
+        return list(self._records)
+
     def drive(self) -> HandDrive | None:
-        """Return what is kept; None: too little."""
-        return HandDrive.of_records(list(self._records)) if len(self._records) >= _FEWEST else None
+        """Return what was driven by hand; None: too little."""
+        return HandDrive.of_records(list(self._by_hand)) if len(self._by_hand) >= _FEWEST else None
 
 
 def _driven(drive: HandDrive, steered: float) -> Driven:

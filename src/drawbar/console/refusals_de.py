@@ -13,6 +13,15 @@ REFUSALS_DE: Mapping[str, str] = {
     "has no dead band)":
         "{0} Bewegungen aus der Ruhe, {1} sind nötig; drawbar zwei Minuten sanfte Kurven lenken lassen (eine Lenkung, "
         "die nie ruht, hat keinen Totbereich)",
+    "{}: rate": "{0}: Geschwindigkeit",
+    "{} s of steering without a gap; let drawbar steer for a minute":
+        "{0} s ohne Lücke gelenkt; drawbar eine Minute lang lenken lassen",
+    "a steering did not follow its commands; look at its sensor and its actuator, and drive again":
+        "eine Lenkung folgte ihren Befehlen nicht; Sensor und Antrieb ansehen, dann noch einmal fahren",
+    "known too roughly; let drawbar steer through curves, and onto its line from a metre beside it":
+        "zu ungenau bekannt; drawbar durch Kurven lenken lassen, und von einem Meter daneben auf die Linie",
+    "{} in the first half and {} in the second; drive again":
+        "{0} in der ersten Hälfte und {1} in der zweiten; noch einmal fahren",
     "joint: zero": "Lenkgelenk: Nullpunkt",
     "hitch angle: zero": "Knickwinkel: Nullpunkt",
     "wheel speed": "Radsensor",

@@ -176,7 +176,10 @@ class SetUpPage:
             self._save_version(self._changed)
 
     def _take_found(self, changes: list[str]) -> None:
-        """Save what a calibration has found."""
+        """Save what a calibration has found of a real machine."""
+        if self._next_drive.configuration.devices is None:
+            tell(self._words("only_stand_ins"))
+            return
         try:
             self._save_version(self._next_drive.changed(changes))
         except DrawbarError as error:

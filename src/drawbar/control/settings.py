@@ -149,9 +149,14 @@ class LqrSettings(Settings):
     trailer: TrailerProportionalIntegral = TrailerProportionalIntegral()
 
 
-def _module_and_class(place: str) -> str:
+def is_module_and_class(place: str) -> bool:
+    """Return whether a text has the form MODULE:CLASS."""
     module, separator, name = place.partition(":")
-    if not (separator and name.isidentifier() and all(part.isidentifier() for part in module.split("."))):
+    return bool(separator) and name.isidentifier() and all(part.isidentifier() for part in module.split("."))
+
+
+def _module_and_class(place: str) -> str:
+    if not is_module_and_class(place):
         raise ValueError("is not MODULE:CLASS, for example my_package.control:MyController")
     return place
 

@@ -51,8 +51,8 @@ _SWEEPS_OF_ITERATION = 2
 """of the interior point: predictor and corrector"""
 _COLUMNS = "COLUMNS"
 """C's name of whether a solver has columns at all"""
-_CENTRED = "ASTRAY"
-"""C's name of how many of its iterations have one more, which centres where the corrector led astray"""
+_REJECTIONS = "CORRECTOR_REJECTIONS"
+"""C's name of how many of its iterations have one more, a centring step in the place of a rejected corrector"""
 
 
 def configuration_hash(configuration: Configuration) -> str:
@@ -122,7 +122,7 @@ def _bounds(unit: SolverUnit) -> Mapping[str, int]:
     A sweep for the bounds that were active before, by the factorisation of the preparation, and both for each further
     pass with them. One factorisation and one sweep without bounds. Then one of three: a sweep for projected
     Newton to begin with, both for each of its passes and to take it back; a sweep for each column of the
-    active set, two to publish its answer and two to take both back; two factorisations and a sweep, to damp a
+    active set, two to publish its answer and two to take both back; two factorisations and a sweep, to regularise a
     cost that leaves something undetermined. Then the interior point: a factorisation and a sweep for its start,
     and its iterations.
     """
@@ -134,7 +134,7 @@ def _bounds(unit: SolverUnit) -> Mapping[str, int]:
     newton = bounds["projected_newton_passes"] + 1
     warm = bounds["warm_start_passes"]
     sweeps = warm + 1 + max(1 + newton, bounds["active_set_columns"] + 4) + 1
-    sweeps += _SWEEPS_OF_ITERATION * iterations + min(_defined(_CENTRED, sources), iterations)
+    sweeps += _SWEEPS_OF_ITERATION * iterations + min(_defined(_REJECTIONS, sources), iterations)
     return bounds | {"factorisations": warm + max(newton, 2) + 1 + iterations, "sweeps": sweeps}
 
 

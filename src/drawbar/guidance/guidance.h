@@ -13,7 +13,7 @@
 #include "tracked.h"
 
 #define GUIDANCE_UNDER 1.0                 /* largest distance from a path that begins under the vehicle, m */
-#define ASTRAY (DRAWBAR_PI / 3.0)          /* heading error up to which the controllers' linearisations converge, rad */
+#define FACING_AWAY (DRAWBAR_PI / 3.0)     /* heading error beyond which the controllers' linearisations do not converge, rad */
 
 enum { TRACTOR, TRAILER, BODIES };
 
@@ -97,7 +97,7 @@ static inline int guidance_change(struct guidance *guidance, const struct path *
         return status;
     drawbar_path_sample(path, placed.progress[TRACTOR], sample);
     if (!(hypot(tractor[0] - sample[AT_X], tractor[1] - sample[AT_Y]) <= GUIDANCE_UNDER
-          && fabs(wrapped(estimate->tractor.yaw - sample[AT_YAW])) <= ASTRAY))
+          && fabs(wrapped(estimate->tractor.yaw - sample[AT_YAW])) <= FACING_AWAY))
         return DRAWBAR_GUIDANCE_FAR_FROM_START;
     *guidance = placed;
     return DRAWBAR_GUIDANCE_FINE;

@@ -98,8 +98,8 @@ static void preview_advance(struct component *component, const struct drawbar_po
         component->furthest[i] = guidance->progress[i];
 }
 
-/* Whether a heading (rad) is too far from that of what the tractor follows. */
-static int preview_astray(const struct component *component, const struct path *path, double yaw)
+/* Whether a tractor of this yaw (rad) faces away from what it follows: the path, or the turns onto it. */
+static int preview_faces_away(const struct component *component, const struct path *path, double yaw)
 {
     double sample[4];
 
@@ -107,7 +107,7 @@ static int preview_astray(const struct component *component, const struct path *
         approach_sample(&component->approach, path, component->approached, sample);
     else
         drawbar_path_sample(path, component->furthest[TRACTOR], sample);
-    return fabs(wrapped(yaw - sample[AT_YAW])) > ASTRAY;
+    return fabs(wrapped(yaw - sample[AT_YAW])) > FACING_AWAY;
 }
 
 /* Begin turns where the tractor faces away from the path, and leave those that it faces away from. Returns 0 where no
@@ -117,9 +117,9 @@ static int preview_turn(struct component *component, const struct path *path, co
 {
     const struct drawbar_pose *tractor = &estimate->tractor;
 
-    if (component->approach.count > 0 && preview_astray(component, path, tractor->yaw))
+    if (component->approach.count > 0 && preview_faces_away(component, path, tractor->yaw))
         component->approach.count = 0;
-    if (component->approach.count > 0 || !preview_astray(component, path, tractor->yaw))
+    if (component->approach.count > 0 || !preview_faces_away(component, path, tractor->yaw))
         return 1;
     const double angle = estimate->tractor_slip * estimate->tractor_steering + estimate->steering_offset;
     const struct beside_path beside

@@ -45,6 +45,13 @@ def _failed(fault: SensorFault) -> Reading:
     return Reading(value=math.nan, fault=fault)
 
 
+def _fault_of(counts: float, lowest: float, highest: float) -> Reading | None:
+    """Return the reading of counts that no intact sensor gives; None: they are in its range."""
+    if not math.isfinite(counts):
+        return _failed(SensorFault.NOT_FINITE)
+    return None if lowest <= counts <= highest else _failed(SensorFault.ELECTRICAL)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Potentiometer:
     """A potentiometer or Hall sensor: counts to angle by a table, piecewise linear.
@@ -89,10 +96,8 @@ class Potentiometer:
 
     def read(self, counts: float) -> Reading:
         """Return the angle, rad."""
-        if not math.isfinite(counts):
-            return _failed(SensorFault.NOT_FINITE)
-        if not (self.lowest <= counts <= self.highest):
-            return _failed(SensorFault.ELECTRICAL)
+        if fault := _fault_of(counts, self.lowest, self.highest):
+            return fault
         i = min(max(bisect_right(self.counts, counts), 1), len(self.counts) - 1)
         share = (counts - self.counts[i - 1]) / (self.counts[i] - self.counts[i - 1])
         return Reading(value=self.angles[i - 1] + share * (self.angles[i] - self.angles[i - 1]))
@@ -143,10 +148,8 @@ class InductiveSensor:
 
     def read(self, counts: float) -> Reading:
         """Return the angle, rad."""
-        if not math.isfinite(counts):
-            return _failed(SensorFault.NOT_FINITE)
-        if not (self.lowest <= counts <= self.highest):
-            return _failed(SensorFault.ELECTRICAL)
+        if fault := _fault_of(counts, self.lowest, self.highest):
+            return fault
         c0, c1, c2, c3 = self.coefficients
         return Reading(value=c0 + counts * (c1 + counts * (c2 + counts * c3)))
 

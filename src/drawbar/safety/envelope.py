@@ -11,7 +11,8 @@ actuators; this one knows nothing of the controller, and goes by what is measure
 import math
 from dataclasses import dataclass
 
-from drawbar.messages import CommandMessage, nanoseconds, seconds
+from drawbar.messages import CommandMessage
+from drawbar.nanoseconds import nanoseconds, seconds
 from drawbar.safety.settings import SafetySettings
 
 AHEAD = 0.005

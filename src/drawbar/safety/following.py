@@ -3,8 +3,8 @@
 Judged on a window of the last ticks:
 
 - Stuck: it hardly moves while its set point is far away, on whichever side (which may change meanwhile); or it rests
-  for longer while its set point is less far away. A steering with a steady error moves as its set point does, and one
-  within its dead band is nearer.
+  after its set point has been far away, or for longer while that is less far away. A steering with a steady error moves
+  as its set point does, and one within its dead band is nearer.
 - Reversed: its set point is on one side all the time, and it moves away from it, also at the end of the window: a
   steering with dead time continues for a moment after its set point has changed sides.
 - Jumped: its angle changes between two readings by more than any steering turns, and stays there: the sensor has
@@ -80,17 +80,21 @@ class Following:
         time, apart, move = self._settings.stuck_time, self._settings.stuck_angle, self._settings.stuck_move
         far, near = apart + self._offset, _NEAR * apart + self._offset
         still = self._moved(time, far)[0] < move or self._stays(time, far, move)
-        return still or self._stays(_LONG * time, near, _REST * move)
+        return (
+            still or self._stays(time, far, _REST * move, early=True) or self._stays(_LONG * time, near, _REST * move)
+        )
 
-    def _stays(self, span: float, least: float, move: float) -> bool:
+    def _stays(self, span: float, least: float, move: float, *, early: bool = False) -> bool:
         """Return whether it moved less over a span while its mean distance from the set point was at least so large.
 
-        In both halves of the span, so that a set point that has just changed does not count.
+        In both halves of the span, so that a set point that has just changed does not count; or, `early`, in its first
+        third, after which dead time is over.
         """
         window = self._window(span)
         gaps, angles = [abs(gap) for _, gap, _ in window], [angle for _, _, angle in window]
-        apart = min(fmean(gaps[: len(gaps) // 2]), fmean(gaps[len(gaps) // 2 :])) if len(gaps) > 1 else 0.0
-        return apart >= least and max(angles) - min(angles) < move
+        half, third = len(gaps) // 2, len(gaps) // 3
+        parts = (gaps[:third],) if early else (gaps[:half], gaps[half:])
+        return third > 0 and min(map(fmean, parts)) >= least and max(angles) - min(angles) < move
 
     def _moved(self, span: float, least: float) -> tuple[float, float]:
         """Return its movement towards its set point, and the change of their distance, over a span, rad.

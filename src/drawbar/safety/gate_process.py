@@ -8,7 +8,8 @@ import signal
 import traceback
 from types import FrameType
 
-from drawbar.messages import SupervisorState, seconds
+from drawbar.messages import SupervisorState
+from drawbar.nanoseconds import seconds
 from drawbar.protocols.actuator import SteeringRequest
 from drawbar.protocols.speed_actuator import SpeedRequest
 from drawbar.realtime import Notifier, prepare, say

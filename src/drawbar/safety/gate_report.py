@@ -5,7 +5,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from drawbar.messages import GateState, SupervisorState, nanoseconds
+from drawbar.messages import GateState, SupervisorState
+from drawbar.nanoseconds import nanoseconds
 from drawbar.protocols.actuator import SteeringReport
 from drawbar.protocols.speed_actuator import SpeedReport
 from drawbar.safety.causes import Cause, Response

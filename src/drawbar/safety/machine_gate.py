@@ -207,13 +207,8 @@ class Gate:
 
     def _publish(self, now: float, actuation: Actuation, causes: tuple[Cause, ...]) -> None:
         counts = replace(self._counts, dropped=self._counts.dropped + self.wires.dropped)
-        tick = Tick(
-            now=now,
-            causes=causes,
-            actuation=actuation,
-            angles=self._envelope.angles,
-            speed_limit=self.speed_limit,
-        )
+        angles, limit = self._envelope.angles, self.speed_limit
+        tick = Tick(now=now, causes=causes, actuation=actuation, angles=angles, speed_limit=limit)
         state = gate_state(tick, self.engagement, self._requests, counts, valid=self._settings.engage.seen)
         record = encode(state)
         self._requests.show(state.sequence, state.time)

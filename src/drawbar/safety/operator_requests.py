@@ -7,7 +7,8 @@ received before, is not old, and its sender sees what the gate does now.
 import math
 from collections import deque
 
-from drawbar.messages import Action, OperatorMessage, seconds
+from drawbar.messages import Action, OperatorMessage
+from drawbar.nanoseconds import seconds
 from drawbar.safety.causes import Cause
 from drawbar.safety.engagement import Engagement
 from drawbar.safety.envelope import AHEAD

@@ -125,7 +125,7 @@ class EnvelopeSettings(Settings):
     """largest, m/s²; bounds the front wheels' angle by speed"""
     lateral_jerk: Positive = 2.0
     """largest, m/s³; bounds the front wheels' rate by speed"""
-    steering_rate: PositiveAngle = math.radians(20.0)
+    steering_rate: PositiveAngle = math.radians(25.0)
     """fastest lasting change of a steering's set point, rad/s"""
     steering_lead: Timeout = 0.8
     """by which a set point may lead what changes at that rate, s: lag and delay, time between commands"""

@@ -5,7 +5,8 @@ from collections import deque
 from dataclasses import dataclass
 from typing import Any
 
-from drawbar.messages import CommandMessage, ControllerState, Heartbeat, Mode, Role, SupervisorState, seconds
+from drawbar.messages import CommandMessage, ControllerState, Heartbeat, Mode, Role, SupervisorState
+from drawbar.nanoseconds import seconds
 from drawbar.protocols.actuator import Readiness, SteeringReport
 from drawbar.safety.causes import Cause
 from drawbar.safety.conditions import Observation

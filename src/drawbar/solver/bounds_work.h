@@ -33,35 +33,35 @@ struct projected_newton {
     int32_t last;                          /* stage with the last bound that was ever active */
 };
 
-/* The best answer so far: near the limit of the arithmetic the next iterate may be worse. */
-struct ip_answer {
+/* An iterate to return to: near the limit of the arithmetic the next one may be worse. */
+struct ip_iterate {
     double kkt, z[NZ], pi[(N + 1) * NX], multiplier[AT_LEAST_ONE(NSIDES)], violation[AT_LEAST_ONE(NSIDES)];
 };
 
 /* What is added to the diagonal of the Hessian for each kind of variable, where the cost leaves something undetermined. */
-struct ip_damping {
+struct primal_regularisation {
     double weight[NX + NU], share;         /* curvature, and how much of it is added; 0: nothing */
 };
 
 /* Work of interior_point.h. Slots without a bound keep t = 1, lambda = 0, those without softness v = 0, sigma = 0: flags
  * of 0 and 1 instead of branches let every loop over slots run in SIMD registers. */
 struct interior_point {
-    struct ip_damping damping;
-    double loose;                          /* how much bounds give way within one step, relative to the curvature */
-    double infeasible;                     /* by how much the best certificate so far proves that there is no point */
-    double before;                         /* residual of the iteration before */
-    int32_t stalled;                       /* long steps since it last fell */
+    struct primal_regularisation primal_regularisation;
+    double dual_regularisation;            /* delta of each bound, relative to its reciprocal curvature; 0: none */
+    double farkas_margin;                  /* largest so far: above 0 it proves that no feasible point exists */
+    double least_kkt;                      /* residual of the best iterate so far */
+    int32_t stalled_steps;                 /* long steps since it last fell */
     int32_t short_steps;                   /* one after the other */
-    int32_t astray;                        /* steps that the second-order term led away from the solution */
+    int32_t rejected_correctors;           /* whose step would not have lowered the duality measure */
     double exists[NSLOTS], soft[NSLOTS], offset[NSLOTS], linear[NSLOTS], quadratic[NSLOTS];
     double t[NSLOTS], lambda[NSLOTS], v[NSLOTS], sigma[NSLOTS];
     double dt[NSLOTS], dlambda[NSLOTS], dv[NSLOTS], dsigma[NSLOTS];
-    double distance[NSLOTS], per_t[NSLOTS], per_v[NSLOTS];
-    double ease[NSLOTS], per_pair[NSLOTS];  /* where bounds give way: by how much for a multiplier, and 1 / t with that */
+    double distance[NSLOTS], reciprocal_curvature[NSLOTS];
+    double t_inverse[NSLOTS], v_inverse[NSLOTS], pair_inverse[NSLOTS];   /* 1 / t, 1 / v, 1 / (t + delta lambda) */
     double pairs;                          /* complementary pairs in all */
     double gradient[NZ], defect[N][NX];    /* of the Lagrangian, and of the dynamics */
     double barrier[NZ], dz[NZ], dpi[(N + 1) * NX];
-    struct ip_answer best;
+    struct ip_iterate best;
 };
 
 union bounds_work {

@@ -4,18 +4,17 @@
 #ifndef DRAWBAR_IP_START_H
 #define DRAWBAR_IP_START_H
 
+#include "ip_regularisation.h"
 #include "noinline.h"
-#include "kkt.h"
 
-#define FAR_OUT 1e3                        /* times the largest bound: no start lies further out than that */
-#define NEAR 1e-3                          /* of its kind's size: no start lies nearer to a bound than that; */
-#define DRAWN 0.1                          /* or than that, where it was drawn in from far out */
-#define PULL_MORE 1e4                      /* times harder that variables are drawn in from there, while they are far out, */
-#define LAST_PULL 1e8                      /* up to here, and then as much harder as they were far out */
-#define SOFT_START 10.0                    /* times what the curvature alone makes them: multipliers of soft sides, which do not exceed
-                                            * their penalty; where many are active, less leads to short steps */
-#define FLAT 1e-12                         /* of the largest curvature, of the room around a variable: as much as none */
-#define DAMPING 1e-8                       /* of the curvature, where the cost leaves something undetermined */
+#define FARTHEST_START 1e3                 /* times the largest bound: no start lies further out than that */
+#define START_MARGIN 1e-3                  /* of its kind's size: no start lies nearer to a bound than that; */
+#define PENALISED_START_MARGIN 0.1         /* or than that, where penalties had to bring it in */
+#define PENALTY_FACTOR 1e4                 /* by which these penalties grow while variables lie further out, */
+#define LARGEST_PENALTY 1e8                /* up to here, and then once more to as much as variables were too far out */
+#define SOFT_MULTIPLIER_START 10.0         /* times what the curvature alone makes them: multipliers of soft sides, which do not
+                                            * exceed their penalty; where many are active, less leads to short steps */
+#define LEAST_CURVATURE 1e-12              /* of the largest curvature, of the room around a variable: as much as none */
 
 /* Curvature of the cost to go along bounded variable i, as factorised. A state without any, such as a bounded output, has that
  * of the state and inputs before it, of which it is made. */
@@ -41,8 +40,8 @@ static inline double ip_bound(const struct qp *s, int m)
     return m % 2 == 0 ? s->lower[m / 2] : s->upper[m / 2];
 }
 
-/* Of two hard sides only the multipliers' difference acts: leave out what they have in common. */
-static void ip_leave_out(struct qp *restrict s, const struct interior_point *restrict ip)
+/* Of two hard sides only the multipliers' difference acts: subtract what they have in common. */
+static void ip_subtract_common(struct qp *restrict s, const struct interior_point *restrict ip)
 {
     for (int i = 0; i < NB; ++i) {
         const double lower = ip->lambda[i], upper = ip->lambda[NLOWER + i], both = lower < upper ? lower : upper;
@@ -53,7 +52,7 @@ static void ip_leave_out(struct qp *restrict s, const struct interior_point *res
     }
 }
 
-static NOINLINE void ip_publish(struct qp *restrict s, const struct interior_point *restrict ip)
+static NOINLINE void ip_write_multipliers(struct qp *restrict s, const struct interior_point *restrict ip)
 {
     for (int i = 0; i < NB; ++i) {
         s->multiplier[2 * i] = ip->lambda[i];
@@ -61,81 +60,34 @@ static NOINLINE void ip_publish(struct qp *restrict s, const struct interior_poi
         s->violation[2 * i] = ip->v[i];
         s->violation[2 * i + 1] = ip->v[NLOWER + i];
     }
-    if (ip->loose > 0.0)
-        ip_leave_out(s, ip);
+    if (ip->dual_regularisation > 0.0)
+        ip_subtract_common(s, ip);
 }
 
-/* The barrier before any bound: what damps steps where the cost alone does not. */
-static void ip_clear_barrier(struct interior_point *ip)
-{
-    memset(ip->barrier, 0, sizeof ip->barrier);
-    for (int i = 0; ip->damping.share > 0.0 && i < NZ; ++i)
-        ip->barrier[i] = ip->damping.share * ip->damping.weight[kind_of(i)];
-}
-
-static inline double positive(double value)
-{
-    return value > 0.0 ? value : 0.0;
-}
-
-/* Where the cost leaves something undetermined: damp every step a little, which changes no solution, since steps vanish
- * there. Returns 0 when the cost has no minimum all the same, else the start is that of the strongly damped problem. */
-static int ip_damp(struct qp *restrict s, struct interior_point *restrict ip)
-{
-    double *weight = ip->damping.weight, heaviest = 0.0;
-
-    memset(&ip->damping, 0, sizeof ip->damping);
-    for (int k = 0; k <= N; ++k)
-        for (int j = 0; j < NX; ++j)
-            weight[j] = largest(weight[j], positive(s->Q[k][j][j]));
-    for (int k = 0; k < N; ++k)
-        for (int a = 0; a < NU; ++a) {
-            double own = positive(s->R[k][a][a]);
-            for (int m = 0; m < ND; ++m)
-                own += s->B[k][m][a] * s->B[k][m][a] * positive(s->Q[k + 1][m][m]);
-            weight[NX + a] = largest(weight[NX + a], own);
-        }
-    for (int j = 0; j < NX + NU; ++j)
-        heaviest = largest(heaviest, weight[j]);
-    for (int i = 0; i < NZ && heaviest == 0.0; ++i)   /* no curvature at all: as much as there is slope */
-        heaviest = largest(heaviest, s->g[i]);
-    for (int j = 0; j < NX + NU; ++j)
-        weight[j] = largest(largest(ROUNDING * heaviest, weight[j]), 1e-100);
-    for (int strong = 0; strong <= 1; ++strong) {
-        ip->damping.share = strong ? 1.0 : DAMPING;
-        ip_clear_barrier(ip);
-        if (!qp_factor(s, ip->barrier, N + 1))
-            return 0;
-    }
-    ip->damping.share = DAMPING;
-    qp_solve(s, s->g, (const double (*)[NX])s->c, s->initial, s->z, s->pi);
-    return 1;
-}
-
-/* How far the variables of each kind lie outside, `away`, in times of how far from zero their bounds are. Returns the largest. */
-static double ip_far_out(const struct qp *restrict s, double *restrict away)
+/* How far the variables of each kind lie outside their bounds, relative to the largest of these bounds. Returns the largest. */
+static double ip_relative_excess(const struct qp *restrict s, double *restrict excess)
 {
     double span[NX + NU] = {0.0}, farthest = 0.0;
 
-    memset(away, 0, (NX + NU) * sizeof *away);
+    memset(excess, 0, (NX + NU) * sizeof *excess);
     for (int m = 0; m < NSIDES; ++m) {
         const int kind = kind_of(s->bound[m / 2]);
         const double distance = bound_distance(s, s->z, m);
         if (!(fabs(ip_bound(s, m)) < (double)INFINITY))
             continue;
-        away[kind] = largest(away[kind], distance < 0.0 ? distance : 0.0);
+        excess[kind] = largest(excess[kind], distance < 0.0 ? distance : 0.0);
         span[kind] = largest(span[kind], ip_bound(s, m));
     }
     for (int j = 0; j < NX + NU; ++j) {    /* bounds at zero have no size of their own */
-        away[j] = span[j] > 0.0 ? away[j] / span[j] : 0.0;
-        farthest = largest(farthest, away[j]);
+        excess[j] = span[j] > 0.0 ? excess[j] / span[j] : 0.0;
+        farthest = largest(farthest, excess[j]);
     }
     return farthest;
 }
 
-/* Draw all bounded variables towards their bounds, with as much curvature for each kind. Returns 0 where the factorisation
- * fails. */
-static int ip_draw(struct qp *restrict s, struct interior_point *restrict ip, const double *restrict curvature)
+/* Minimum of the cost with quadratic penalties, of this curvature for each kind, on the distances of all bounded variables from
+ * their bounds. Returns 0 where the factorisation fails. */
+static int ip_penalised_minimum(struct qp *restrict s, struct interior_point *restrict ip, const double *restrict curvature)
 {
     double gradient[NZ];
 
@@ -154,90 +106,124 @@ static int ip_draw(struct qp *restrict s, struct interior_point *restrict ip, co
     return 1;
 }
 
-/* Where the cost is nearly flat its minimum without bounds lies so far out that nothing about it is a start. Draw all
- * bounded variables towards their bounds, no harder than it takes: first as hard as the cost itself curves. To draw again counts
- * as an iteration of *left, which takes longer. Returns how near to a bound a start may lie then, 0 on failure. */
-static COLD double ip_approach(struct qp *restrict s, struct interior_point *restrict ip, int32_t *left)
+/* Starting point: the minimum without bounds or, where the cost is so flat that this lies far out, the minimum with penalties that
+ * begin as large as the cost's own curvature and grow until it does not. Each further one counts as an iteration of *left,
+ * which takes longer. Returns how near to a bound the start may lie, in sizes of its kind; 0 on failure. */
+static COLD double ip_starting_point(struct qp *restrict s, struct interior_point *restrict ip, int32_t *left)
 {
-    double away[NX + NU], now[NX + NU], curve[NX + NU] = {0.0}, curvature[NX + NU];
-    const double farthest = ip_far_out(s, away);
+    double excess[NX + NU], now[NX + NU], curve[NX + NU] = {0.0}, curvature[NX + NU];
+    const double farthest = ip_relative_excess(s, excess);
 
-    if (!(farthest > FAR_OUT))
-        return NEAR;
+    if (!(farthest > FARTHEST_START))
+        return START_MARGIN;
     for (int i = 0; i < NB; ++i)
         curve[kind_of(s->bound[i])] = largest(curve[kind_of(s->bound[i])], ip_curvature(s, i));
-    for (double pull = 1.0;; pull = pull < LAST_PULL ? PULL_MORE * pull : farthest, --*left) {
+    for (double penalty = 1.0;; penalty = penalty < LARGEST_PENALTY ? PENALTY_FACTOR * penalty : farthest, --*left) {
         for (int j = 0; j < NX + NU; ++j)
-            curvature[j] = curve[j] * (away[j] < pull ? away[j] : pull);
-        if (!ip_draw(s, ip, curvature))
+            curvature[j] = curve[j] * (excess[j] < penalty ? excess[j] : penalty);
+        if (!ip_penalised_minimum(s, ip, curvature))
             return 0.0;
-        if (!(pull < farthest) || !(ip_far_out(s, now) > FAR_OUT))
-            return DRAWN;
+        if (!(penalty < farthest) || !(ip_relative_excess(s, now) > FARTHEST_START))
+            return PENALISED_START_MARGIN;
     }
 }
 
-/* The violation v of a soft side whose complementarity equals that of its distance: v sigma = pair, with
+/* Violation v of a soft side whose complementarity equals that of its slack: v sigma = complementarity, with
  * sigma = spare + growth v. */
-static inline double ip_start_violation(double spare, double growth, double pair)
+static inline double ip_start_violation(double spare, double growth, double complementarity)
 {
-    return 2.0 * pair / (spare + sqrt(spare * spare + 4.0 * growth * pair));
+    return 2.0 * complementarity / (spare + sqrt(spare * spare + 4.0 * growth * complementarity));
 }
 
-/* Start from the solution without bounds, with every distance pushed well inside. */
-static COLD void ip_start(struct qp *restrict s, struct interior_point *restrict ip, double near)
-{
-    double worst[NX + NU] = {0.0}, size[NX + NU] = {0.0}, curve[NX + NU] = {0.0}, flat = 0.0, room[NX + NU];
-    const struct ip_damping damping = ip->damping;
+/* What a start goes by, for each kind of variable. */
+struct start_scales {
+    double violation[NX + NU], room[NX + NU];        /* largest violation of a bound, and least distance from one */
+    double size[NX + NU], curvature[NX + NU];        /* largest value, and largest curvature of a bounded variable */
+    double least_curvature;                /* what counts as none */
+};
 
-    memset(ip, 0, sizeof *ip);
-    ip->damping = damping;
-    for (int m = 0; m < 2 * NLOWER; ++m)
-        ip->t[m] = ip->distance[m] = 1.0;
-    for (int j = 0; j < NX + NU; ++j)
-        room[j] = (double)INFINITY;
-    for (int i = 0; i < NZ; ++i)
-        size[kind_of(i)] = largest(size[kind_of(i)], s->z[i]);
+/* Note which sides there are: those of finite bounds on what can move. */
+static COLD void ip_note_sides(const struct qp *restrict s, struct interior_point *restrict ip)
+{
     for (int m = 0; m < NSIDES; ++m) {
-        const int slot = m % 2 * NLOWER + m / 2, kind = kind_of(s->bound[m / 2]);
+        const int slot = m % 2 * NLOWER + m / 2;
         const double bound = ip_bound(s, m);
         if (!(fabs(bound) < (double)INFINITY) || is_given(s, m / 2))
             continue;
-        const double distance = bound_distance(s, s->z, m);
         ip->exists[slot] = 1.0;
         ip->offset[slot] = m % 2 == 0 ? -bound : bound;
         ip->pairs += 1.0;
-        worst[kind] = largest(worst[kind], distance < 0.0 ? distance : 0.0);
-        room[kind] = fabs(distance) < room[kind] ? fabs(distance) : room[kind];
-        curve[kind] = largest(curve[kind], ip_curvature(s, m / 2));
-        flat = largest(flat, curve[kind]);
+    }
+}
+
+static COLD void ip_start_scales(const struct qp *restrict s, const struct interior_point *restrict ip,
+                                 struct start_scales *restrict scales)
+{
+    double largest_curvature = 0.0;
+
+    memset(scales, 0, sizeof *scales);
+    for (int j = 0; j < NX + NU; ++j)
+        scales->room[j] = (double)INFINITY;
+    for (int i = 0; i < NZ; ++i)
+        scales->size[kind_of(i)] = largest(scales->size[kind_of(i)], s->z[i]);
+    for (int m = 0; m < NSIDES; ++m) {
+        const int kind = kind_of(s->bound[m / 2]);
+        const double distance = bound_distance(s, s->z, m);
+        if (ip->exists[m % 2 * NLOWER + m / 2] == 0.0)
+            continue;
+        scales->violation[kind] = largest(scales->violation[kind], distance < 0.0 ? distance : 0.0);
+        scales->room[kind] = fabs(distance) < scales->room[kind] ? fabs(distance) : scales->room[kind];
+        scales->curvature[kind] = largest(scales->curvature[kind], ip_curvature(s, m / 2));
+        largest_curvature = largest(largest_curvature, scales->curvature[kind]);
     }
     for (int j = 0; j < NX + NU; ++j)      /* a kind that stays at zero has no size of its own */
-        size[j] = size[j] > FLAT * room[j] ? size[j] : room[j];
-    flat = FLAT * (flat > 0.0 && flat < 1.0 ? flat : 1.0);
-    for (int m = 0; m < NSIDES; ++m) {
-        const int slot = m % 2 * NLOWER + m / 2, kind = kind_of(s->bound[m / 2]);
-        if (ip->exists[slot] == 0.0)
-            continue;
-        const double distance = bound_distance(s, s->z, m), least = near * size[kind] + 1e-12;
-        const double margin = worst[kind] > least ? worst[kind] : least, penalty = s->soft_linear[m / 2];
-        const double curvature = ip_curvature(s, m / 2);
-        double lambda;
-        ip->t[slot] = distance > margin ? distance : margin;
-        ip->ease[slot] = 1.0 / (curve[kind] > flat ? curve[kind] : flat);
-        lambda = margin * margin * (curvature > flat ? curvature : flat) / ip->t[slot];
-        if (penalty < (double)INFINITY) {            /* starts where its own multipliers add up to its penalty */
-            const double growth = s->soft_quadratic[m / 2], most = 0.5 * (penalty + growth * ip->t[slot]);
-            lambda = SOFT_START * lambda < most ? SOFT_START * lambda : most;
-            ip->soft[slot] = 1.0;
-            ip->linear[slot] = penalty;
-            ip->quadratic[slot] = growth;
-            ip->v[slot] = ip_start_violation(penalty - lambda, growth, lambda * ip->t[slot]);
-            ip->sigma[slot] = penalty + growth * ip->v[slot] - lambda;
-            ip->pairs += 1.0;
-        }
-        ip->lambda[slot] = lambda;
+        scales->size[j] = scales->size[j] > LEAST_CURVATURE * scales->room[j] ? scales->size[j] : scales->room[j];
+    scales->least_curvature =
+        LEAST_CURVATURE * (largest_curvature > 0.0 && largest_curvature < 1.0 ? largest_curvature : 1.0);
+}
+
+/* Slack and multipliers of side m, no nearer to its bound than `nearest` sizes of its kind. */
+static COLD void ip_start_side(const struct qp *restrict s, struct interior_point *restrict ip,
+                               const struct start_scales *restrict scales, double nearest, int m)
+{
+    const int slot = m % 2 * NLOWER + m / 2, kind = kind_of(s->bound[m / 2]);
+    const double distance = bound_distance(s, s->z, m), least = nearest * scales->size[kind] + 1e-12;
+    const double margin = scales->violation[kind] > least ? scales->violation[kind] : least;
+    const double curvature = ip_curvature(s, m / 2), flat = scales->least_curvature, penalty = s->soft_linear[m / 2];
+    double lambda;
+
+    ip->t[slot] = distance > margin ? distance : margin;
+    ip->reciprocal_curvature[slot] = 1.0 / (scales->curvature[kind] > flat ? scales->curvature[kind] : flat);
+    lambda = margin * margin * (curvature > flat ? curvature : flat) / ip->t[slot];
+    if (penalty < (double)INFINITY) {      /* starts where its own multipliers add up to its penalty */
+        const double growth = s->soft_quadratic[m / 2], most = 0.5 * (penalty + growth * ip->t[slot]);
+        lambda = SOFT_MULTIPLIER_START * lambda < most ? SOFT_MULTIPLIER_START * lambda : most;
+        ip->soft[slot] = 1.0;
+        ip->linear[slot] = penalty;
+        ip->quadratic[slot] = growth;
+        ip->v[slot] = ip_start_violation(penalty - lambda, growth, lambda * ip->t[slot]);
+        ip->sigma[slot] = penalty + growth * ip->v[slot] - lambda;
+        ip->pairs += 1.0;
     }
-    ip_publish(s, ip);
+    ip->lambda[slot] = lambda;
+}
+
+/* Slacks and multipliers at the starting point, every slack well inside. */
+static COLD void ip_start(struct qp *restrict s, struct interior_point *restrict ip, double nearest)
+{
+    const struct primal_regularisation kept = ip->primal_regularisation;
+    struct start_scales scales;
+
+    memset(ip, 0, sizeof *ip);
+    ip->primal_regularisation = kept;
+    for (int m = 0; m < 2 * NLOWER; ++m)
+        ip->t[m] = ip->distance[m] = 1.0;
+    ip_note_sides(s, ip);
+    ip_start_scales(s, ip, &scales);
+    for (int m = 0; m < NSIDES; ++m)
+        if (ip->exists[m % 2 * NLOWER + m / 2] > 0.0)
+            ip_start_side(s, ip, &scales, nearest, m);
+    ip_write_multipliers(s, ip);
 }
 
 #endif

@@ -24,13 +24,14 @@ static int bounds_respected(const struct qp *s)
     return !violated;
 }
 
-/* Once more where the sweep without bounds was not the answer: damped, from its own start, which may be the answer. */
-static COLD int qp_damped(struct qp *s, struct interior_point *ip, int32_t *left, int reason)
+/* Where the sweep without bounds fails or its answer does not pass: the interior point with primal regularisation, unless its
+ * starting point already passes. Returns `reason` where that does not help. */
+static COLD int qp_regularised(struct qp *s, struct interior_point *ip, int32_t *left, int reason)
 {
     double gradient[NZ], defect[N][NX];
 
     s->factored = 0;
-    if (!ip_damp(s, ip))
+    if (!ip_regularise_primal(s, ip))
         return reason;
     if (bounds_respected(s) && kkt_check(s, 0, gradient, defect) == SOLVED)
         return SOLVED;
@@ -38,8 +39,8 @@ static COLD int qp_damped(struct qp *s, struct interior_point *ip, int32_t *left
     return status == SOLVED || status == INFEASIBLE ? status : reason;
 }
 
-/* Back to the solution without bounds. */
-static void qp_afresh(struct qp *s)
+/* Discard what was found with bounds: back to the solution without them. */
+static void qp_discard_bounds(struct qp *s)
 {
     memset(s->multiplier, 0, sizeof s->multiplier);
     memset(s->violation, 0, sizeof s->violation);
@@ -76,12 +77,12 @@ static int qp_active(struct qp *s, union bounds_work *work)
         outcome = qp_checked(s, &work->newton);
         if (outcome == PN_CONVERGED)
             return 1;
-        qp_afresh(s);
+        qp_discard_bounds(s);
     }
     if (COLUMNS && outcome == PN_COUPLED && qp_active_set(s, &work->active)) {
         if (kkt_check(s, 1, gradient, defect) == SOLVED)
             return 1;
-        qp_afresh(s);
+        qp_discard_bounds(s);
     }
     return 0;
 }
@@ -118,17 +119,17 @@ static int qp_optimise(struct qp *s, struct solver_resources *resources)
     memset(s->kept, 0, sizeof s->kept);
     s->iterations = 0;
     if (!s->factored && !qp_factor(s, NULL, N + 1))
-        return qp_damped(s, &work->ip, &resources->iterations, NOT_FINITE);
+        return qp_regularised(s, &work->ip, &resources->iterations, NOT_FINITE);
     s->factored = FACTORED;
     if (qp_solve_free(s, &work->active)) {
         const int status = kkt_check(s, s->iterations > 0, gradient, defect);
         if (status == SOLVED || s->iterations == 0)
-            return status == SOLVED ? SOLVED : qp_damped(s, &work->ip, &resources->iterations, status);
-        qp_afresh(s);
+            return status == SOLVED ? SOLVED : qp_regularised(s, &work->ip, &resources->iterations, status);
+        qp_discard_bounds(s);
     } else if (!bounds_at_first(s) && qp_active(s, work))
         return SOLVED;
     s->factored = 0;                       /* the barrier changes it */
-    work->ip.damping.share = 0.0;
+    work->ip.primal_regularisation.share = 0.0;
     return qp_interior_point(s, &work->ip, &resources->iterations);
 }
 

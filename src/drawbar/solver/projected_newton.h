@@ -182,7 +182,7 @@ static int pn_multipliers_valid(struct qp *restrict s, struct projected_newton *
     return valid;
 }
 
-static void pn_publish(struct qp *restrict s, const struct projected_newton *restrict pn)
+static void pn_write_multipliers(struct qp *restrict s, const struct projected_newton *restrict pn)
 {
     for (int i = 0; i < NB; ++i) {
         if (pn->side[i] == 0)
@@ -206,7 +206,7 @@ static int pn_accept(struct qp *restrict s, struct projected_newton *restrict pn
 {
     if (!pn_multipliers_valid(s, pn))
         return 0;
-    pn_publish(s, pn);
+    pn_write_multipliers(s, pn);
     return 1;
 }
 

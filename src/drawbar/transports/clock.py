@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
-from drawbar.messages import seconds
+from drawbar.nanoseconds import seconds
 
 STEP = 0.01
 """a wall clock that moves so far against the monotonic one between two looks was set, s"""

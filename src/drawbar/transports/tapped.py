@@ -5,7 +5,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from enum import Enum
 
-from drawbar.messages import nanoseconds, seconds
+from drawbar.nanoseconds import nanoseconds, seconds
 from drawbar.transports.base import Received, Transport
 from drawbar.transports.clock import Clock
 

@@ -27,17 +27,22 @@ class Told:
     """Notices with an alignment whose numbers are given."""
 
     def __init__(self, *, has_trailer_receiver=True):
-        self.numbers = {"yaw.error": np.zeros(1), "yaw_rate.exclusion": np.zeros(1)}
+        self.numbers = {name: np.zeros(1) for name in ("yaw.error", "yaw.latency", "yaw_rate.exclusion")}
+        self.time, self.yaw, self.rate = 0.0, 0.5, 0.0  # of the estimate: s, rad, rad/s
         live = SimpleNamespace(array=self.numbers.__getitem__)
         self.notices = Notices(
             SimpleNamespace(library=SimpleNamespace(components={"alignment": SimpleNamespace(live=live)})),
             has_trailer_receiver=has_trailer_receiver,
         )
 
-    def step(self, *, fixes=(ACCEPTED, ACCEPTED), yaw=math.nan, exclusion=NOTHING, **found):
+    def step(self, *, fixes=(ACCEPTED, ACCEPTED), yaw=math.nan, age=0.0, exclusion=NOTHING, **found):
         """Let a step pass; return what is told."""
-        estimate = SimpleNamespace(tractor_fix=fixes[0], trailer_fix=fixes[1], tractor=SimpleNamespace(yaw=0.5))
-        measurement = replace(measured(0.0, 0.0, 0.0, 0.0), tractor_yaw=yaw)
+        self.time += 0.2
+        self.yaw += 0.2 * self.rate
+        estimate = SimpleNamespace(
+            tractor_fix=fixes[0], trailer_fix=fixes[1], tractor=SimpleNamespace(yaw=self.yaw), time=self.time
+        )
+        measurement = replace(measured(0.0, 0.0, 0.0, 0.0), tractor_yaw=yaw, tractor_attitude_age=age)
         self.notices.update(SimpleNamespace(estimate=estimate, measurement=measurement), exclusion, **ALL_RIGHT | found)
         assert len(self.notices.codes) == MOST
         return [BY_CODE[code] for code in self.notices.codes if code]
@@ -118,6 +123,15 @@ def test_a_yaw_beyond_what_is_believed_is_reported(told):
     assert told.step(yaw=1.61 + 2.0 * math.pi) == [Cause.YAW_REJECTED]
     assert [told.step(yaw=1.5 + 2.0 * math.pi) for _ in range(3)] == [[], [], []]
     assert told.step(yaw=math.nan) == []
+
+
+@pytest.mark.parametrize(("reported", "latency"), [(0.4, 0.0), (0.0, 0.4), (0.2, 0.2)])
+def test_a_late_yaw_is_believed_in_a_turn_and_a_wrong_one_is_not(told, reported, latency):
+    told.numbers["yaw.latency"][0], told.rate = latency, 0.3
+    told.step()
+    for wrong, found in ((0.0, []), (0.11, [Cause.YAW_REJECTED])):
+        said = [told.step(yaw=told.yaw + 0.3 * (0.2 - 0.4) + wrong, age=reported) for _ in range(3)]
+        assert said[-1] == found
 
 
 def test_what_has_been_told_stays_until_the_stop_is_acknowledged(told):

@@ -37,7 +37,7 @@ def heard(drift, times, **given):
     """Return when a drift was first seen, s; None: never."""
     for time in times:
         drift.receive_fixes(epoch(time, **given))
-        if drift.exists:
+        if drift.is_detected:
             return time
     return None
 
@@ -53,7 +53,7 @@ def test_ordinary_noise_is_no_drift(radius, speed, lag):
     drift, rng = PositionDrift(), np.random.default_rng(1)
     for time in times(600.0):
         drift.receive_fixes(epoch(time, speed=speed, radius=radius, lag=lag, noise=tuple(rng.normal(0.0, 0.03, 4))))
-        assert not drift.exists, time
+        assert not drift.is_detected, time
 
 
 @pytest.mark.parametrize(("speed", "latest"), [(1.0, 0.9), (2.0, 0.9), (3.0, 1.1)])
@@ -66,7 +66,7 @@ def test_both_antennas_that_drift_are_seen_and_one_alone_is_not(speed, latest, s
         for time in times(20.0, begin):
             off = 0.3 * side * (time - begin)
             drift.receive_fixes(epoch(time, speed=speed, aside=(off, off if both else 0.0)))
-            found = time if drift.exists and found is None else found
+            found = time if drift.is_detected and found is None else found
         assert (found is not None) == both
         assert found is None or 0.6 < found - begin <= latest
 
@@ -76,7 +76,7 @@ def test_antennas_that_go_to_different_sides_do_not_drift_together():
     assert heard(drift, times(begin)) is None
     for time in times(8.0, begin):
         drift.receive_fixes(epoch(time, aside=(0.3 * (time - begin), -0.3 * (time - begin))))
-        assert not drift.exists
+        assert not drift.is_detected
 
 
 @pytest.mark.parametrize(
@@ -104,7 +104,7 @@ def drift_in_curve(radius, lag, side, *, learned):
     for time in times(begin + 4.0, begin):
         off = 0.3 * side * (time - begin)
         drift.receive_fixes(epoch(time, radius=radius, lag=lag, aside=(off, off)))
-        if drift.exists:
+        if drift.is_detected:
             return time - begin
     return math.inf
 
@@ -121,12 +121,12 @@ def test_in_a_curve_a_drift_is_seen_as_soon_once_the_lag_is_known(radius):
 def test_a_drift_is_not_learned_as_a_lag_before_it_is_seen():
     drift = PositionDrift()
     assert heard(drift, times(12.0), radius=8.0) is None
-    before = drift._tractor._lag.longest
+    before = drift._tractor._lag.largest
     for time in times(14.0, 12.0):
         aside = -0.3 * (time - 12.0)  # after half a circle: to the left
         drift.receive_fixes(epoch(time, radius=8.0, aside=(aside, aside)))
-    assert drift.exists
-    assert drift._tractor._lag.longest <= before
+    assert drift.is_detected
+    assert drift._tractor._lag.largest <= before
 
 
 def jumped(drift, when, **given):
@@ -188,7 +188,7 @@ def test_without_fixed_positions_and_velocities_nothing_is_said(field):
     drift = PositionDrift()
     for time in times(20.0):
         drift.receive_fixes(replace(epoch(time, aside=(0.3 * time, 0.3 * time)), **given))
-        assert not drift.exists
+        assert not drift.is_detected
 
 
 def test_after_a_gap_it_begins_anew():
@@ -234,7 +234,7 @@ def test_a_turn_that_begins_while_epochs_are_lost_is_no_drift(speed):
         place = {"x": x, "y": y, "course": course, "speed": speed}
         given = {f"{body}_{name}": value for body in ("tractor", "trailer") for name, value in place.items()}
         drift.receive_fixes(epoch(time, **given))
-        assert not drift.exists
+        assert not drift.is_detected
         assert not drift.drifts_slowly(**FOLLOWED)
 
 
@@ -244,7 +244,7 @@ def test_from_where_they_were_before_the_velocities_lead_on():
     for time in times(8.0, begin):
         off = 0.3 * (time - begin)
         drift.receive_fixes(epoch(time, radius=20.0, aside=(off, off)))
-        if drift.exists and time < 6.1:
+        if drift.is_detected and time < 6.1:
             drift.begin_dead_reckoning()
     measured = Measurement(time=0.0, **dict.fromkeys(UNUSED, 0.0))
     true = epoch(times(8.0)[-1], radius=20.0)
@@ -371,5 +371,5 @@ def test_a_course_that_lags_behind_a_curve_is_no_slow_drift(speed, radius):
     for time in times(60.0):
         straight = time < 20.0
         drift.receive_fixes(epoch(time - 20.0, speed=speed, radius=math.inf if straight else radius, lag=0.25))
-        assert not drift.exists, time
+        assert not drift.is_detected, time
         assert not drift.drifts_slowly(**FOLLOWED), time

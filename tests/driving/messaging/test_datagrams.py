@@ -15,7 +15,7 @@ from drawbar.transports.tapped import Direction
         Order((Happening(kind=Kind.LOOK, time=1), Happening(kind=Kind.FIXES, time=2**45, sequence=2**32 - 1))),
         PackedStep(time=2**40, data=b'{"step":1}'),
         EstimateDeviations({"tractor_slip": 0.015625}),
-        CorrectionsFailure("the caster sends \u201enothing\u201c; check corrections.mount"),
+        CorrectionsFailure("the caster sends \u201enothing\u201c; check devices.corrections.mount"),
         CorrectionsFailure(""),
     ],
 )

@@ -10,11 +10,14 @@ import pytest
 from drive_messages import controller_of, gate_of, ready_gate
 from rich.console import Console
 
+from drawbar.driving.messaging.endpoint import Endpoint
+from drawbar.driving.messaging.process_options import FRONT_END, GATE
 from drawbar.driving.operator.display import KEYS, picture, refusals
-from drawbar.driving.operator.front_end import Keyboard
+from drawbar.driving.operator.front_end import REFUSED, FrontEnd, Keyboard
 from drawbar.driving.operator.requests import changed_speed
 from drawbar.driving.operator.terminal import Terminal
-from drawbar.messages import SupervisorState
+from drawbar.message_records import decode, encode
+from drawbar.messages import OperatorMessage, SupervisorState
 from drawbar.safety.causes import Cause
 from drawbar.safety.conditions import Observation, present
 from drawbar.safety.settings import SafetySettings
@@ -68,6 +71,24 @@ def test_past_the_end_of_the_line_no_old_distance_is_shown():
     ended = dataclasses.replace(controller_of(Status.FINISHED), tractor_lateral_error=0.03)
     assert "tractor not known" in picture(gate_of(SupervisorState.STANDBY), ended).plain
     assert "tractor 3 cm left" in picture(gate_of(SupervisorState.STOPPING), ended).plain
+
+
+def test_a_refusal_is_shown_for_some_seconds_only(tmp_path):
+    now = 10**12
+    clock = SimpleNamespace(nanoseconds=lambda: now, wait=lambda endpoints, duration: None)
+    options = SimpleNamespace(socket=lambda name: str(tmp_path / name), clock=clock)
+    drive = SimpleNamespace(options=options, configuration=SimpleNamespace(speed=1.0))
+    gate, front = Endpoint(options.socket(GATE)), FrontEnd(drive, demonstrates=False)
+    front.press(" ")
+    (stop,) = (decode(data, OperatorMessage) for data in gate.receive())
+    answer = dataclasses.replace(ready_gate(1), answered=stop.nonce, answer=Cause.TOO_SLOW.value)
+    gate.send(options.socket(FRONT_END), encode(answer))
+    for later, shown in ((0, Cause.TOO_SLOW), (REFUSED, Cause.TOO_SLOW), (REFUSED + 1, None)):
+        now = 10**12 + later
+        front.wait(0.0)
+        assert front.refusal is shown
+    front.close()
+    gate.close()
 
 
 @pytest.mark.parametrize("heard", [None, controller_of(Status.FINISHED)])

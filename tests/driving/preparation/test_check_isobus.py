@@ -66,6 +66,7 @@ def test_a_bus_without_anybody_is_reported(monkeypatch, device):
 def test_a_bus_that_cannot_be_opened_is_reported_with_what_to_do():
     settings = isobus_devices("can:socketcan:drawbar9").isobus
     found = {each.device: each for each in check._isobus(settings, 0.05, drives=True)}
+    assert found.keys() == {"ISOBUS"}
     (problem,) = found["ISOBUS"].problems
     assert "socketcan drawbar9 cannot be opened" in problem
     assert "its interface is up" in problem

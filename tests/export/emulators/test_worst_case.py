@@ -7,9 +7,9 @@ in the typical step, and least in a search for turns: it is faster in every row,
 
 The longest path is forced: in copies of the library no solver ever finds that it has finished, so that each spends
 every iteration of the interior point, with everything that an iteration may hold, after either every pass of one of
-the active sets or the damping of a cost that leaves something undetermined; and guidance tries every way onto the path.
-That is counted apart, and added. Samples that a step has to catch up with take iterations away from its solvers: a step
-with as many as there can be is counted beside one without.
+the active sets or the regularisation of a cost that leaves something undetermined; and guidance tries every way onto
+the path. That is counted apart, and added. Samples that a step has to catch up with take iterations away from its
+solvers: a step with as many as there can be is counted beside one without.
 """
 
 import math

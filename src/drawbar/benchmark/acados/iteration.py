@@ -16,7 +16,7 @@ from drawbar.optimal.transcription import Transcription
 
 _UNIT = """
 #define _POSIX_C_SOURCE 199309L
-#include <time.h>
+#include "clock.h"
 
 struct iteration {
     int (*solve)(void *);
@@ -29,20 +29,12 @@ struct iteration {
     double prepare, feedback;
 };
 
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 static double timed(struct iteration *s, int phase)
 {
-    double start;
     s->set_option(s->config, s->opts, "rti_phase", &phase);
-    start = now();
+    const int64_t start = clock_now();
     s->status = s->solve(s->capsule);
-    return now() - start;
+    return 1e-9 * (double)(clock_now() - start);
 }
 
 /* Shortest of several preparations and feedbacks, each from the same trajectory, s. */

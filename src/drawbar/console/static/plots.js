@@ -14,12 +14,6 @@ const COLOURS = { // of curves, on the ground of each look
   dark: ["#56b4e9", "#ff9d5c", "#57d9a3", "#f0a6cf", "#ffc857", "#bfa3e6"],
 };
 
-// Gives a plot that is drawn once the look of the page, now and whenever that changes.
-function keepLook(number) {
-  const look = () => getElement(number)?.chart?.setOption(plotLook(1));
-  new MutationObserver(look).observe(document.body, { attributes: true, attributeFilter: ["class"] });
-}
-
 const plots = new Map(); // lines and steps of each live plot, by its element's number
 
 // Adds new steps to a live plot, slides it to `age` s after the newest one, and says when that is drawn (live_plot.py).

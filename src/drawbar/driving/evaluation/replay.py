@@ -24,7 +24,8 @@ from drawbar.machine.hardware.navigation import Navigation
 from drawbar.machine.hardware.receiver import Receiver
 from drawbar.machine.hardware.sampler import Sampler
 from drawbar.machine.hardware.sensor_line import SensorLine
-from drawbar.messages import CommandMessage, Fixes, GateState, Message, seconds
+from drawbar.messages import CommandMessage, Fixes, GateState, Message
+from drawbar.nanoseconds import seconds
 from drawbar.recompute import Comparison, Replay
 from drawbar.recording.drive_records import DriveRecord, Happening, Kind, RawBytes, open_drive
 from drawbar.recording.frames import Damage

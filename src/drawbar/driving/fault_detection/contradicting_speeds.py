@@ -9,7 +9,8 @@ stopped.
 import math
 from collections import deque
 
-from drawbar.messages import Fixes, seconds
+from drawbar.messages import Fixes
+from drawbar.nanoseconds import seconds
 
 _DIFFERENCE, _RATIO = 0.3, 1.5
 """where both are more, in m/s and as a ratio, one of them is wrong; slip makes less"""

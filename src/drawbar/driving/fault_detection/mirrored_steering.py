@@ -12,7 +12,8 @@ from statistics import fmean
 
 from drawbar.driving.fault_detection.running_rms import RunningRms
 from drawbar.geometry import wrap
-from drawbar.messages import Fixes, seconds
+from drawbar.messages import Fixes
+from drawbar.nanoseconds import seconds
 from drawbar.vehicle.parameters import VehicleParameters
 
 _SPAN, _WAY = 3.0, 3.0

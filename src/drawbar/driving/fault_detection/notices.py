@@ -13,7 +13,8 @@ from drawbar.driving.fault_detection.confirmation import Confirmation
 from drawbar.driving.fault_detection.fault_exclusion import FaultExclusion
 from drawbar.estimation.alignment import YAW_GATE
 from drawbar.geometry import wrap
-from drawbar.messages import Fixes, GateState, SupervisorState, seconds
+from drawbar.messages import Fixes, GateState, SupervisorState
+from drawbar.nanoseconds import seconds
 from drawbar.safety.causes import Cause
 from drawbar.signals import FixStatus, StepRecord
 from drawbar.step.autopilot import Autopilot
@@ -24,6 +25,8 @@ _SILENT = 0.5
 """after which a receiver or sensor is reported silent, s: single epochs are lost by radio"""
 _UNPAIRED = 2.0
 """without an epoch of both receivers, after which their times are reported, s"""
+_TURN = 0.5
+"""longest between two estimates that show how fast the tractor turns, s"""
 _KEPT = frozenset(
     {
         SupervisorState.ENGAGING,
@@ -93,6 +96,7 @@ class Notices:
         self._rejections = _Rejections()
         self._reported: dict[Cause, None] = {}
         self._stays = False
+        self._before = math.nan, 0.0  # time and yaw of the last estimate, s, rad
 
     @property
     def codes(self) -> tuple[int, ...]:
@@ -154,10 +158,19 @@ class Notices:
             yield Cause.POSITION_REJECTED
         if exclusion.excludes_trailer and not drifts:  # an estimate that has followed positions contradicts it, too
             yield Cause.TRAILER_CONTRADICTS
-        if self._rejections.yaw.is_confirmed or self._alignment.array("yaw_rate.exclusion")[0] > 0.0:
+        if self._rejections.yaw.is_confirmed or self._number("yaw_rate.exclusion") > 0.0:
             yield Cause.YAW_REJECTED
 
     def _yaw_is_far(self, record: StepRecord) -> bool:
-        """Return whether the tractor's yaw by two antennas is outside its gate."""
-        yaw = record.measurement.tractor_yaw + float(self._alignment.array("yaw.error")[0])
-        return math.isfinite(yaw) and abs(wrap(yaw - record.estimate.tractor.yaw)) > YAW_GATE
+        """Return whether the tractor's yaw by two antennas is outside its gate, brought up to the sample."""
+        measurement, now, before = record.measurement, record.estimate, self._before
+        self._before = now.time, now.tractor.yaw
+        elapsed = now.time - before[0]
+        rate = wrap(now.tractor.yaw - before[1]) / elapsed if 0.0 < elapsed <= _TURN else 0.0
+        age = measurement.tractor_attitude_age + self._number("yaw.latency")
+        yaw = measurement.tractor_yaw + self._number("yaw.error") + rate * age
+        return math.isfinite(yaw) and abs(wrap(yaw - now.tractor.yaw)) > YAW_GATE
+
+    def _number(self, name: str) -> float:
+        """Return a number of the autopilot's alignment."""
+        return float(self._alignment.array(name)[0])

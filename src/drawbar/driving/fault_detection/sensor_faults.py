@@ -118,7 +118,7 @@ class SensorFaults:
     def _drifts(self, record: StepRecord) -> bool:
         """Return whether positions drift: of both antennas, or slowly of one that the estimate follows."""
         tractor, trailer = record.estimate.tractor_fix, record.estimate.trailer_fix
-        return self._drift.exists | self._drift.drifts_slowly(
+        return self._drift.is_detected | self._drift.drifts_slowly(
             tractor=tractor is not FixStatus.REJECTED,
             trailer=trailer is not FixStatus.REJECTED,
             apart=self._apart.update(record),

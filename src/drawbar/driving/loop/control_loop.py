@@ -8,7 +8,8 @@ from collections.abc import Callable
 
 from drawbar.driving.loop.controller import Controller
 from drawbar.machine.hardware.sampler import Sampler
-from drawbar.messages import CommandMessage, Fixes, GateState, Message, seconds
+from drawbar.messages import CommandMessage, Fixes, GateState, Message
+from drawbar.nanoseconds import seconds
 from drawbar.recording.drive_records import Kind
 from drawbar.signals import Measurement, StepRecord
 

@@ -162,6 +162,8 @@ class Controller:
         self._autopilot.prepare()
         record = self._autopilot.record()
         self._overruns += late
+        if self._status is Status.TIME and self._record is not None:  # nothing was taken in: what was known stays
+            return record
         self._solved = self._solved + 1 if self._status.is_new_command and not record.solver_failures else 0
         if not self._status.has_ended or self._record is None:
             self._record = record

@@ -18,6 +18,8 @@ from drawbar.message_records import decode
 from drawbar.messages import Action, ControllerState, GateState, SupervisorState
 from drawbar.safety.causes import BY_CODE, Cause
 
+REFUSED = 15_000_000_000
+"""for which a refusal is shown, ns"""
 LOOK = 200_000_000
 """between two words of the operator, ns"""
 _ACTIONS = {
@@ -72,9 +74,9 @@ class FrontEnd:
         self._operator = Operator(secrets.randbits(63) | 1, gate_sender(self._endpoint, processes.options))
         self._demonstration = DemonstrationOperator(self._operator) if demonstrates else None
         self._configured_speed, self._clock = processes.configuration.speed, processes.options.clock
-        self._look = self._asked = 0
+        self._look = self._asked = self._refused = 0
         self.refusal: Cause | None = None
-        """why the gate refused the newest key"""
+        """why the gate refused the newest key, for some seconds"""
         self.state: GateState | None = None
         self.controller: ControllerState | None = None
         self.drove = False
@@ -106,9 +108,12 @@ class FrontEnd:
                 self.drove |= message.state is SupervisorState.ACTIVE
                 if self._asked and message.answered == self._asked:
                     self.refusal, self._asked = BY_CODE.get(message.answer), 0
+                    self._refused = self._clock.nanoseconds()
             elif isinstance(message, ControllerState):
                 self.controller = message
         now = self._clock.nanoseconds()
+        if now - self._refused > REFUSED:
+            self.refusal = None
         if now >= self._look:
             self._look = now + LOOK
             if self._demonstration is not None:

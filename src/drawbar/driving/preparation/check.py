@@ -163,7 +163,12 @@ def listen_to_board(name: str, settings: SteerBoardSettings, seconds: float) -> 
         finding.facts.append(f"angle {math.degrees(report.angle):.1f}°, {report.readiness.name.lower()}")
     else:
         tell_silence(finding, transport)
-    if report.readiness is Readiness.OTHER_MASTER or (finding.received and report.readiness is not Readiness.READY):
+    if finding.received and report.readiness is Readiness.FAULT:
+        finding.problems.append(
+            f"its sensor measures {math.degrees(report.angle):.1f}°, more than a wheel turns: check for a broken or "
+            "shorted cable, then calibrate it"
+        )
+    elif report.readiness is Readiness.OTHER_MASTER or (finding.received and report.readiness is not Readiness.READY):
         finding.problems.append(report.readiness.value)
     wires.close()
     return finding
@@ -181,6 +186,9 @@ def _isobus(settings: IsobusSettings, seconds: float, *, drives: bool) -> Iterat
     if wire.transport.trouble:
         problem = f"{wire.transport.trouble}: check the adapter, its bit rate and that its interface is up"
         yield Finding(device="ISOBUS", problems=[problem])
+    if not wire.transport.connected:  # nothing on it can be told apart
+        wires.close()
+        return
     for name, report in zip(("tractor valve", "trailer valve"), wires.steering(now), strict=True):
         if report is not None:
             angle = [f"angle {math.degrees(report.angle):.1f}°"] if math.isfinite(report.angle) else []
@@ -210,11 +218,16 @@ def _sensors(settings: SensorBoardSettings, seconds: float) -> Finding:
     finding.received = math.isfinite(report.time)
     if not finding.received:
         tell_silence(finding, line.transport, line.board.dropped)
-    if math.isfinite(report.hitch_angle):
-        finding.facts.append(f"hitch angle {math.degrees(report.hitch_angle):.1f}°")
-    if math.isfinite(report.wheel_speed):
-        finding.facts.append(f"wheels {report.wheel_speed:.2f} m/s")
-    finding.problems += [f"{count} readings: {fault}" for fault, count in line.board.faults.items()]
+    faults = line.board.faults
+    for name, shown, is_configured, value in (
+        ("hitch", f"hitch angle {math.degrees(report.hitch_angle):.1f}°", settings.measures_hitch, report.hitch_angle),
+        ("wheel", f"wheels {report.wheel_speed:.2f} m/s", settings.pulses_per_metre is not None, report.wheel_speed),
+    ):
+        if math.isfinite(value):
+            finding.facts.append(shown)
+        elif finding.received and is_configured and not any(fault.startswith(name) for fault in faults):
+            finding.problems.append(f"it sends nothing of the {name} sensor: check that the board is set up to read it")
+    finding.problems += [f"{count} readings: {fault}" for fault, count in faults.items()]
     line.close()
     return finding
 

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable
 
-from drawbar.driving.preparation.finding import Finding, poll_times, tell_silence
+from drawbar.driving.preparation.finding import Finding, counted, poll_times, tell_silence
 from drawbar.geometry import LocalFrame
 from drawbar.machine.hardware.corrections.corrections import Corrections
 from drawbar.machine.hardware.corrections.receivers import correct
@@ -124,7 +124,7 @@ def _describe(finding: Finding, epochs: list[Epoch], frame: LocalFrame, receiver
         east, north = (float(each) for each in frame.east_north(last.latitude, last.longitude))
         finding.facts.append(f"{math.hypot(east, north):.1f} m from the origin of the path's frame")
     if receiver.dropped:
-        finding.facts.append("dropped: " + ", ".join(f"{count} {kind}" for kind, count in receiver.dropped.items()))
+        finding.facts.append(f"dropped: {counted(receiver.dropped)}")
 
 
 def _unfit(last: Epoch, oldest: float) -> list[str]:

@@ -54,13 +54,17 @@ def poll_times(seconds: float, *watched: Transport) -> Iterator[float]:
         select.select([each for each in descriptors if each >= 0], [], [], _LOOK)
 
 
+def counted(dropped: Mapping[str, int]) -> str:
+    """Return what was dropped, by kind, in words."""
+    return ", ".join(f"{count} × {kind}" for kind, count in dropped.items())
+
+
 def tell_silence(finding: Finding, transport: Transport, dropped: Mapping[str, int] | None = None) -> None:
     """Note that nothing was received, or nothing but what was dropped (by kind), and what to do."""
     if dropped:
-        what = ", ".join(f"{count} {kind}" for kind, count in dropped.items())
         finding.problems.append(
-            f"something comes, but nothing that is understood ({what}): check the baud rate, the sender, and which "
-            "messages it is set up to send"
+            f"something comes, but nothing that is understood ({counted(dropped)}): check the baud rate, the sender, "
+            "and which messages it is set up to send"
         )
         return
     why = f" ({transport.trouble})" if transport.trouble else ""

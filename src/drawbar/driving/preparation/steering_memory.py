@@ -22,7 +22,8 @@ _AGREE = 3.0
 """standard deviations by which both halves of the steering may differ"""
 _SLOWER = 0.9
 """of the stated rate, below which the rate is shown to be another"""
-_QUANTITIES = (("dead_time", "dead time", "s"), ("lag", "lag", "s"), ("rate", "rate", "rad/s"))
+_QUANTITIES = (("dead_time", "{}: dead time", "s"), ("lag", "{}: lag", "s"), ("rate", "{}: rate", "rad/s"))
+"""name in a memory, what it is called of a steering, unit"""
 _NAMES = {"tractor": "front wheels", "trailer": "joint"}
 
 
@@ -58,7 +59,7 @@ def steering_memory(configuration: Configuration, records: Sequence[StepRecord])
     for body, name in _NAMES.items():
         stated = getattr(configuration.vehicle, f"{body}_steering_rate")
         known = getattr(configuration.actuation.remembered, body).rate
-        for quantity, words, unit in _QUANTITIES:
+        for quantity, title, unit in _QUANTITIES:
             values = [getattr(getattr(each, body), quantity) for each in found]
             if quantity == "rate" and known is None and values[0] > _SLOWER * stated:
                 continue  # commands never asked for more
@@ -74,7 +75,7 @@ def steering_memory(configuration: Configuration, records: Sequence[StepRecord])
             )
             key = f"actuation.remembered.{body}.{quantity}"
             sets = {key: round(values[0], 3)} if value.accepted else {}
-            yield CalibrationResult(name=f"{name}: {words}", value=value, sets=sets)
+            yield CalibrationResult(name=title.format(name), value=value, sets=sets)
 
 
 def _identified(configuration: Configuration, steered: Sequence[StepRecord]) -> Actuation:

@@ -31,7 +31,8 @@ from drawbar.machine.hardware.navigation import Navigation
 from drawbar.machine.hardware.receiver import Receiver
 from drawbar.machine.hardware.sensor_line import SensorLine
 from drawbar.message_records import encode
-from drawbar.messages import Fixes, Role, nanoseconds, seconds
+from drawbar.messages import Fixes, Role
+from drawbar.nanoseconds import nanoseconds, seconds
 from drawbar.protocols.gnss.assembly import SPOOFED
 from drawbar.realtime import prepare, say, step_back_when_busy
 from drawbar.recording.drive_records import Happening, Kind, Order, RawBytes

@@ -27,7 +27,8 @@ from drawbar.machine.hardware.sampler import Sampler
 from drawbar.machine.hardware.sensor_line import SensorBoardSettings, SensorLine
 from drawbar.machine.stand_in.machine import BODIES, HITCH_ANGLES, HITCH_COUNTS, PULSES, SENSORS
 from drawbar.message_records import decode, encode
-from drawbar.messages import Action, Fixes, GateState, Heartbeat, Message, Role, SupervisorState, seconds
+from drawbar.messages import Action, Fixes, GateState, Heartbeat, Message, Role, SupervisorState
+from drawbar.nanoseconds import seconds
 from drawbar.protocols.agopengps.steer_board import SteerBoard
 from drawbar.safety.envelope import Bounds
 from drawbar.safety.gate_process import next_tick

@@ -10,7 +10,8 @@ from typing import Any
 from drawbar.geometry import LocalFrame
 from drawbar.machine.hardware.receiver import Receiver
 from drawbar.machine.hardware.sensor_line import SensorLine
-from drawbar.messages import Fixes, nanoseconds
+from drawbar.messages import Fixes
+from drawbar.nanoseconds import nanoseconds
 from drawbar.protocols.gnss.epoch import Epoch
 from drawbar.protocols.gnss.pairing import Body, Pair, Pairing
 from drawbar.signals import FixQuality

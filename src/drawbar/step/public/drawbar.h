@@ -11,7 +11,8 @@
  *
  * Signals, statuses and their units: drawbar_signals.h.
  *
- * drawbar_feedback and drawbar_step return enum drawbar_status; the command may be sent whatever the status.
+ * Functions that return an int return enum drawbar_status: DRAWBAR_OK, or why the call was wrong (NULL, order, range, ...).
+ * Only drawbar_feedback and drawbar_step return others; their command may be sent whatever the status.
  *
  *     below DRAWBAR_REFUSED     a new command; the number is a set of enum drawbar_flag, 0 where there is nothing to say
  *     from DRAWBAR_REFUSED on   no new command; the last one is repeated, for at most one second by the time stamps and by
@@ -115,7 +116,8 @@ DRAWBAR_API int drawbar_get_actuation(const struct drawbar_state *state, struct 
 DRAWBAR_API const char *drawbar_status_text(int status);
 
 /* The version of drawbar that generated this library, the hash of the configuration, and the precision of its numbers. With
- * the headers of another export a state may have too little memory: where this is not DRAWBAR_VERSION, do not go on. */
+ * the headers of another export a state may have too little memory: where strcmp() finds this unlike DRAWBAR_VERSION, do not
+ * go on. */
 DRAWBAR_API const char *drawbar_version(void);
 
 /* Bytes of a struct drawbar_state, for callers that allocate it without this header; aligned as a double. */

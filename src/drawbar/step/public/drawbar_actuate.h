@@ -67,7 +67,8 @@ struct drawbar_sensor {
     int32_t reserved;
 };
 
-/* A position loop: u = (K e + I) / r, drive = sign(u) (d + (limit - d) |u|), see docs/actuation.md. */
+/* A position loop: u = (K e + I) / r, drive = sign(u) (c d + (limit - c d) |u|) with the compensation c and the dead band d;
+ * see docs/actuation.md. */
 struct drawbar_position_loop {
     double proportional;                   /* K, 1/s, above 0 */
     double integral;                       /* of I, 1/s^2, 0 or more; 0 is a good value */

@@ -97,7 +97,7 @@ def test_bytes_without_frames_are_given_up_after_ten_seconds(
             bench.until(lambda received=received: bench.status.received > received)
             bench.clock.now += 1.0
             bench.advance()
-    assert "sends bytes, but no intact frame of RTCM 3; check corrections.mount" in bench.status.message
+    assert "sends bytes, but no intact frame of RTCM 3; check devices.corrections.mount" in bench.status.message
     assert bench.clock.now - begin == 10.0
     assert bool(bench.stream) == bool(after), "nothing is forwarded before an intact frame"
 

@@ -14,7 +14,7 @@ from drawbar.machine.stand_in.caster import Caster, CasterFault, CasterSettings,
 def refusals() -> list[tuple[str, dict[str, object], dict[str, object], str]]:
     return [
         ("401", {"fault": CasterFault.UNAUTHORIZED}, {}, "refuses the user name or the password (401); check what"),
-        ("404", {"fault": CasterFault.NOT_FOUND}, {}, "has no such mount point (404); check corrections.mount"),
+        ("404", {"fault": CasterFault.NOT_FOUND}, {}, "has no such mount point (404); check devices.corrections.mount"),
         ("wrong login", {"login": "x:y"}, {}, "refuses the user name or the password (401)"),
         ("wrong mount, v1", {"dialect": Dialect.V1}, {"mount": "MP2"}, "sends its table of mount points instead"),
         ("wrong mount, v2", {"dialect": Dialect.V2_PLAIN}, {"mount": "MP2"}, "sends its table of mount points instead"),
@@ -63,7 +63,7 @@ def test_a_page_is_known_at_once_and_tried_again_soon(connect: Callable[..., Ben
         with other:
             other.sendall(b"HTTP/1.1 200 OK\r\nContent-Type: text/html; charset=utf-8\r\n\r\n<html>")
             bench.until_state(CorrectionsState.WAITING)
-    assert "answers something that is not NTRIP (200); check corrections.host" in bench.status.message
+    assert "answers something that is not NTRIP (200); check devices.corrections.host" in bench.status.message
     assert 0.8 <= bench.status.next_attempt <= 1.2
 
 

@@ -58,7 +58,7 @@ def test_wrong_file_of_certificates_is_refused(connect: Callable[..., Bench], tm
     file = tmp_path / "ca.pem"
     if text is not None:
         file.write_text(text)
-    with pytest.raises(ConfigurationError, match=r"corrections.certificate: .*give a PEM file"):
+    with pytest.raises(ConfigurationError, match=r"devices.corrections.certificate: .*give a PEM file"):
         connect(1, tls=True, certificate=str(file))
 
 

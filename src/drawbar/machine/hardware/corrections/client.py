@@ -105,5 +105,5 @@ def _context(certificate: str) -> ssl.SSLContext:
     except (OSError, ssl.SSLError) as error:
         reason = "holds no certificate" if isinstance(error, ssl.SSLError) else error.strerror
         raise ConfigurationError(
-            f"corrections.certificate: {certificate} {reason}; give a PEM file, or leave it out"
+            f"devices.corrections.certificate: {certificate} {reason}; give a PEM file, or leave it out"
         ) from None

@@ -21,7 +21,7 @@ class Login:
 
 
 def read_login(source: str, environment: Mapping[str, str] = os.environ) -> Login:
-    """Return the login from where `corrections.credentials` says it is.
+    """Return the login from where `devices.corrections.credentials` says it is.
 
     Args:
         source: `environment:NAME`, `file:PATH`, or empty for a caster that asks for none.
@@ -41,7 +41,7 @@ def read_login(source: str, environment: Mapping[str, str] = os.environ) -> Logi
 def _from_environment(name: str, environment: Mapping[str, str]) -> str:
     if name not in environment:
         raise ConfigurationError(
-            f"corrections.credentials: the environment variable {name} is not set; set it to user:password"
+            f"devices.corrections.credentials: the environment variable {name} is not set; set it to user:password"
         )
     return environment[name]
 
@@ -52,16 +52,18 @@ def _from_file(path: Path) -> str:
         descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
     except OSError as error:
         raise ConfigurationError(
-            f"corrections.credentials: {path} cannot be read ({error.strerror}); write user:password into it"
+            f"devices.corrections.credentials: {path} cannot be read ({error.strerror}); write user:password into it"
         ) from None
     try:
         about = os.fstat(descriptor)
         if not stat.S_ISREG(about.st_mode):
-            raise ConfigurationError(f"corrections.credentials: {path} is no file; give one that holds user:password")
+            raise ConfigurationError(
+                f"devices.corrections.credentials: {path} is no file; give one that holds user:password"
+            )
         if about.st_mode & 0o077 or about.st_uid not in (os.geteuid(), 0):
             raise ConfigurationError(
-                f"corrections.credentials: {path} has the mode {stat.S_IMODE(about.st_mode):04o}, so that others may "
-                f"read it, or belongs to somebody else; make it yours alone: chmod 600 {path}"
+                f"devices.corrections.credentials: {path} has the mode {stat.S_IMODE(about.st_mode):04o}, so that "
+                f"others may read it, or belongs to somebody else; make it yours alone: chmod 600 {path}"
             )
         return os.read(descriptor, LONGEST + 1).decode("utf-8", "replace")
     finally:
@@ -72,5 +74,7 @@ def _checked(text: str, where: str) -> Login:
     login = text.strip("\r\n")
     user, colon, _ = login.partition(":")
     if not (user and colon and len(login) <= LONGEST and login.isprintable() and "\ufffd" not in login):
-        raise ConfigurationError(f"corrections.credentials: {where} must hold one line, user:password, in UTF-8")
+        raise ConfigurationError(
+            f"devices.corrections.credentials: {where} must hold one line, user:password, in UTF-8"
+        )
     return Login(login)

@@ -22,11 +22,11 @@ _REFUSALS = (0, *range(400, 500))
 """codes of a request that a caster refuses; with 3xx a modem's page answers, with 5xx a caster that is in trouble
 itself; 0: it tells none"""
 _ADVICE = {
-    Answer.SOURCE_TABLE: "check corrections.mount",
-    Answer.NO_MOUNT: "check corrections.mount",
-    Answer.NO_LOGIN: "check what corrections.credentials leads to",
+    Answer.SOURCE_TABLE: "check devices.corrections.mount",
+    Answer.NO_MOUNT: "check devices.corrections.mount",
+    Answer.NO_LOGIN: "check what devices.corrections.credentials leads to",
     Answer.REFUSED: "check corrections.version, and ask the caster's operator",
-    Answer.NONSENSE: "check corrections.host, port and tls",
+    Answer.NONSENSE: "check devices.corrections.host, port and tls",
 }
 
 
@@ -160,7 +160,9 @@ class Session:
         elif now >= self._deadline:
             self.failure = f"the caster {name}: {self._silence()}"
         elif now >= self._frame_deadline:
-            self.failure = f"the caster {name} sends bytes, but no intact frame of RTCM 3; check corrections.mount"
+            self.failure = (
+                f"the caster {name} sends bytes, but no intact frame of RTCM 3; check devices.corrections.mount"
+            )
 
     def _silence(self) -> str:
         """Return what the silence means, in the words of the state it befell."""
