@@ -86,3 +86,13 @@ def test_it_stands_only_for_certain():
     speeds.add(10.0, "receiver", -0.06)
     assert not speeds.stands(10.0, 0.05)
     assert not speeds.stands(11.0, 0.05)
+
+
+@pytest.mark.parametrize(("period", "found"), [(0.2, True), (0.4, True), (1.0, False)])
+def test_speeds_of_another_time_contradict_nothing(period, found):
+    # a receiver that sends once a second tells the mean of five seconds, in which a vehicle halves its speed
+    speeds = Speeds(SETTINGS)
+    for index in range(6):
+        speeds.add(16.0 - period * (5 - index), "receiver", 2.0)
+        speeds.add(16.0 - 0.2 * (5 - index), "wheels", 1.0)
+    assert speeds.contradict(16.1) is found

@@ -43,9 +43,9 @@ class Following:
     def reset(self) -> None:
         """Forget all samples: the steering is released."""
         self._samples.clear()
-        self._read, self._pending = (math.nan, math.nan), False  # the newest reading: s, rad
-        self._offset = 0.0  # of the set points from the angles while it follows, rad
-        self.stuck = self.reversed = self.jumped = False
+        # the newest reading, s, rad; the offset of set points from angles while it follows, rad
+        self._read, self._offset = (math.nan, math.nan), 0.0
+        self._pending = self.stuck = self.reversed = self.jumped = False
 
     def add(self, time: float, set_point: float, measured: float, read: float) -> None:
         """Add a set point, and the measured angle with the time at which it was read; s, rad."""
