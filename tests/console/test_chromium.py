@@ -261,7 +261,8 @@ TITLE_BEFORE_STOP = """() => {
 
 
 @pytest.mark.parametrize("language", ["en", "de"])
-def test_on_the_narrowest_phone_no_word_reaches_stop_or_leaves_its_button(drive, page, language):
+def test_on_the_narrowest_phone_no_word_reaches_stop_or_leaves_its_button(drive, somebody_else, language):
+    page = _page(somebody_else)
     page.set_viewport_size({"width": 320, "height": 568})
     page.goto(f"{drive}language/{language}")
     page.locator(".why li").first.wait_for()
