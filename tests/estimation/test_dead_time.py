@@ -151,7 +151,7 @@ def acting(late: int, share: float, steering: int) -> list[float]:
 
 def test_a_known_dead_time_costs_next_to_nothing(simulate) -> None:
     path = ("path.radii=[8.0]", "path.straight_length=5.0", "machine.actuators.dead_time=0.4")
-    path = (*path, "actuation.identify=false", "sanity.swing=10.0", "sanity.steering_swing=3.0")
+    path = (*path, "actuation.identify=false", "sanity.swing=10.0", "sanity.steering_swing=3.0", "sanity.leaving=6.0")
     known, unknown = simulate("articulated", *path, "vehicle.dead_time=0.4"), simulate("articulated", *path)
     for body in ("tractor", "trailer"):
         assert np.abs(known.true_errors(body).error).max() <= 0.12

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-import drawbar
 from drawbar.config import load_configuration
 from drawbar.driving.preparation import check, check_receiver
 from drawbar.driving.stand_in.demonstration import with_stand_ins
@@ -23,7 +22,7 @@ from drawbar.signals import FixQuality
 from drawbar.simulation import build_path
 
 LOOK, SECONDS = 0.02, 3.0
-PAGE = Path(drawbar.__file__).parents[2] / "docs" / "faults.md"
+PAGE = Path(__file__).parents[3] / "docs" / "faults.md"
 
 
 class Yard:
