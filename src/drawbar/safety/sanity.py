@@ -16,8 +16,8 @@ class SanitySettings(Settings):
     lost: Positive = 6.0
     """distance of the tractor from the path at which the run ends, m; more than `guidance.maximum_start_distance`"""
     leaving: Positive = 1.5
-    """the same once it has followed the path, within 0.1 m for 5 m: it does not follow it any more, m; on a real
-    machine `safety.drive.leaving` stops before"""
+    """the same once the tractor has followed the path, within 0.1 m for 5 m, m; on a real machine
+    `safety.drive.leaving` stops before"""
     blind: Positive = 15.0
     """time without an accepted fix of either antenna after which the run ends, s"""
     blind_deviation: Positive = 0.15

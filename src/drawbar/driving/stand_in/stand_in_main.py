@@ -37,7 +37,7 @@ _GONE = 1.0
 
 
 class _DriversSeat:
-    """The driver's seat: where he hears what the gate does, and turns the wheels by hand."""
+    """The driver's seat: receives what the gate does, and turns the wheels by hand."""
 
     def __init__(self, endpoint: Endpoint, machine: StandInMachine, hand: HandSteering, working_width: float) -> None:
         self._endpoint, self._machine, self._hand, self._working_width = endpoint, machine, hand, working_width
