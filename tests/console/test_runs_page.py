@@ -270,6 +270,17 @@ def test_a_recorder_that_falls_silent_while_steering_is_an_event_once(tmp_path):
     assert told == [(0.0, words("ACTIVE")), (2.0, words.cause(Cause.NOT_RECORDING)[0])]
 
 
+def test_the_end_of_a_drive_is_no_fault(tmp_path):
+    words = Words("de")
+    ended = {"state": SupervisorState.FAULT, "cause": Cause.ENDED.value, "steers": 0, "refusals": []}
+    with (tmp_path / "log.mcap").open("wb") as stream:
+        writer = ChunkedWriter(stream, "")
+        channel = writer.add_channel("/gate", "json", 0)
+        writer.add_message(channel, msgspec.json.encode(ended), log_time=SECOND, publish_time=SECOND, sequence=0)
+        writer.finish()
+    assert [each.text for each in run_events(tmp_path / "log.mcap", words)] == ["Die Fahrt wurde beendet"]
+
+
 def test_a_chosen_pass_is_an_event(tmp_path):
     words = Words("en")
     with (tmp_path / "log.mcap").open("wb") as stream:

@@ -60,7 +60,7 @@ def test_an_end_of_the_controllers_run_is_reported_with_its_status_and_another_c
     assert active.cause is None
     assert (stopping.status, fault.status) == (Status.HITCH, None)
     assert list(event_rows([active, stopping, fault])) == [
-        ("0.0 s", ["ACTIVE", ""]),
+        ("0.0 s", ["ACTIVE: steering", ""]),
         ("2.0 s", [f"STOPPING: {Cause.CONTROLLER_STOPS.sentence}: {Status.HITCH.text}", Cause.CONTROLLER_STOPS.advice]),
         ("3.0 s", [f"FAULT: {Cause.STEERING_LOST.sentence}", Cause.STEERING_LOST.advice]),
     ]
@@ -83,10 +83,15 @@ def test_a_notice_is_reported_once_each_time_the_vehicle_is_steered_and_not_befo
     assert event_rows(told) == [("0.0 s", first), ("1.0 s", second), ("6.0 s", first)]
 
 
+def test_the_end_of_a_drive_is_no_fault(log_of):
+    log = log_of(STEERED, gate_of(SupervisorState.FAULT, Cause.ENDED))
+    assert [cells for _, cells in event_rows(drive_events(log))][-1] == ["the drive was ended", ""]
+
+
 def test_what_was_asked_for_is_reported_once_with_its_value(log_of):
     wish = asked(Action.SET_SPEED, 0.8)
     rows = event_rows(drive_events(log_of(gate_of(SupervisorState.READY), asked(Action.PRESENT), wish, wish)))
-    assert [cells[0] for _, cells in rows] == ["READY", "the operator asked for a speed of 0.8 m/s"]
+    assert [cells[0] for _, cells in rows] == ["READY: ready to engage", "the operator asked for a speed of 0.8 m/s"]
 
 
 def test_what_is_asked_for_again_before_anything_else_happens_is_reported_once_but_for_shifts(log_of):
@@ -96,7 +101,7 @@ def test_what_is_asked_for_again_before_anything_else_happens_is_reported_once_b
     log = log_of(*(each if each is state else replace(each, nonce=i) for i, each in enumerate(messages)))
     told = [cells[0].removeprefix("the operator asked ") for _, cells in event_rows(drive_events(log))]
     shifts, speeds = ["to shift the line by 0.05 m"] * 2, ["for a speed of 1 m/s", "for a speed of 1.1 m/s"]
-    assert told == ["for a stop", "STOPPING", "for a stop", *shifts, *speeds]
+    assert told == ["for a stop", "STOPPING: stopping", "for a stop", *shifts, *speeds]
 
 
 def _answer(nonce, answer, *refusals, state=SupervisorState.STANDBY):
@@ -119,7 +124,7 @@ def test_a_refused_request_is_reported_once_with_what_stood_against_it(log_of, a
     answers = [_answer(nonce, answer, *standing) for nonce in (0, 7, 7, 8)]
     log = log_of(answers[0], arm[0], *answers[1:3], arm[1], answers[3])
     rows = [cells for _, cells in event_rows(drive_events(log))]
-    assert rows[:2] == [["STANDBY", ""], ["the operator asked to arm", ""]]
+    assert rows[:2] == [["STANDBY: not ready to engage", ""], ["the operator asked to arm", ""]]
     assert rows[2:] == [[f"refused: {each.sentence}", each.advice] for each in told]
 
 
@@ -133,7 +138,7 @@ def test_a_request_in_a_state_that_waits_is_told_to_acknowledge(log_of):
 def test_a_refusal_of_presence_is_no_event(log_of):
     present = replace(asked(Action.PRESENT), nonce=7)
     log = log_of(_answer(0, None), present, _answer(7, Cause.SEEN_OLD))
-    assert [cells[0] for _, cells in event_rows(drive_events(log))] == ["STANDBY"]
+    assert [cells[0] for _, cells in event_rows(drive_events(log))] == ["STANDBY: not ready to engage"]
 
 
 def test_a_state_that_is_recorded_late_is_no_event_of_its_own(tmp_path, header_and_scene):
@@ -147,7 +152,7 @@ def test_a_state_that_is_recorded_late_is_no_event_of_its_own(tmp_path, header_a
 
 def test_a_record_that_ends_while_it_steers_is_an_event_of_a_log_that_does_not_grow(log_of):
     log = log_of(replace(gate_of(SupervisorState.ACTIVE), steers=1))
-    assert [cells[0] for _, cells in event_rows(drive_events(log))] == ["ACTIVE", Loss.ENDS.value]
+    assert [cells[0] for _, cells in event_rows(drive_events(log))] == ["ACTIVE: steering", Loss.ENDS.value]
     assert len(drive_events(log, is_on=True)) == 1
 
 

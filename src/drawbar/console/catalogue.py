@@ -190,6 +190,7 @@ TEXTS: Mapping[str, tuple[str, str]] = {
     "compare": ("Compare", "Vergleichen"),
     "events": ("Events", "Ereignisse"),
     "no_events": ("This run has no events: it was simulated.", "Keine Ereignisse: Diese Fahrt war simuliert."),
+    "drive_ended": ("The drive was ended", "Die Fahrt wurde beendet"),
     "record_ends": (
         "The record ends here, while drawbar steered: the disk was full, or recorder or computer failed.",
         "Hier endet die Aufzeichnung, während drawbar lenkte: Speicher voll, Programm oder Rechner ausgefallen.",

@@ -60,6 +60,8 @@ def _described(event: DriveEvent, words: Words) -> str:
 
 
 def _became(event: Became, words: Words) -> str:
+    if event.cause is Cause.ENDED:
+        return words("drive_ended")
     text = words(event.state.name)
     if event.cause is not None:
         text += ". " + words("because", cause=words.led(event.cause, event.status))

@@ -3,9 +3,11 @@
 import math
 from collections.abc import Iterator, Sequence
 
+from drawbar.driving.operator.display import MEANINGS
 from drawbar.messages import Action
 from drawbar.recording.drive_events import Asked, Became, DriveEvent, Noticed, Refused
 from drawbar.report.tables import Row
+from drawbar.safety.causes import Cause
 
 _ASKED = {
     Action.ARM: "to arm",
@@ -28,9 +30,12 @@ def event_rows(events: Sequence[DriveEvent]) -> list[Row]:
 
 def _described(event: DriveEvent) -> Iterator[str]:
     """Yield what happened, and what to do, which may be nothing."""
-    if isinstance(event, Became):
+    if isinstance(event, Became) and event.cause is Cause.ENDED:
+        yield "the drive was ended"
+        yield ""
+    elif isinstance(event, Became):
         cause = event.cause
-        because = [] if cause is None else [cause.sentence]
+        because = [MEANINGS[event.state] if cause is None else cause.sentence]
         yield ": ".join([event.state.name, *because, *([event.status.text] if event.status is not None else [])])
         yield "" if cause is None else cause.advice
     elif isinstance(event, Asked):

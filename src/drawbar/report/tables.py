@@ -98,7 +98,7 @@ def key_figures(metrics: Metrics) -> list[tuple[str, str]]:
     error = metrics.error_m
     return [
         ("distance driven", number(metrics.length_m, 1, " m")),
-        ("driving time", number(metrics.duration_s, 1, " s")),
+        ("duration", number(metrics.duration_s, 1, " s")),
         ("real-time factor", number(metrics.real_time_factor, 0, "×")),
         (f"mean {error_name(metrics)}, tractor", number(100.0 * error.tractor[ALL].mean, 1, " cm")),
         (f"mean {error_name(metrics)}, trailer", number(100.0 * error.trailer[ALL].mean, 1, " cm")),

@@ -40,7 +40,7 @@ _UNKNOWN_WITHOUT_RECEIVER = _UNKNOWN_AWAY | {
 _UNKNOWN_IN_SILENCE = _UNKNOWN_WITHOUT_RECEIVER | {Cause.COMMAND_EXPIRED, Cause.CONFIGURATION}
 """what stands against engaging wherever the controller is silent"""
 _LACKING_RECEIVER = {Cause.RECEIVER_SILENT.value, Cause.RECEIVER_TIMES.value}
-_MEANINGS = {
+MEANINGS = {
     SupervisorState.BOOT: "starting",
     SupervisorState.SELFTEST: "testing itself",
     SupervisorState.STANDBY: "not ready to engage",
@@ -54,6 +54,7 @@ _MEANINGS = {
     SupervisorState.FAULT: "steering released; acknowledge to continue",
     SupervisorState.ESTOP: "emergency stop; acknowledge to continue",
 }
+"""of each state, in words"""
 KEYS = "e engage   space stop   r release   x emergency\na acknowledge   + - speed   q quit"
 
 
@@ -75,7 +76,7 @@ def headline(state: GateState, controller: ControllerState | None = None) -> Tex
     """Return the state in one line, with its cause, and where that is the end of the controller's run, how it ended."""
     known = {GOOD: "green", WARNING: "yellow", BAD: "bold red"}
     style = next((style for states, style in known.items() if state.state in states), "")
-    text = Text(f"{state.state.name}: {_MEANINGS[state.state]}", style=style)
+    text = Text(f"{state.state.name}: {MEANINGS[state.state]}", style=style)
     if state.cause:
         text.append(f" ({_led(BY_CODE[state.cause], controller)})")
     if math.isfinite(state.remaining):
