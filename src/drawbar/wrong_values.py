@@ -52,14 +52,9 @@ def _key(problem: Any, data: Any) -> str:
         if (isinstance(data, dict) and part in data) or _is_place(part, data):
             data = data[part]
             parts.append(part)
-    if problem["type"] == "missing" or _is_renamed(problem, data):
+    if problem["type"] == "missing":
         parts.append(problem["loc"][-1])
     return ".".join(map(str, parts))
-
-
-def _is_renamed(problem: Any, data: Any) -> bool:
-    """Whether the data hold what was given by a former name of its key (Settings.former_keys)."""
-    return isinstance(data, dict) and any(value is problem["input"] for value in data.values())
 
 
 def _is_place(part: Any, data: Any) -> bool:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from enum import StrEnum
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import AfterValidator, Field
 
@@ -218,7 +218,7 @@ class BodyTubeSettings(AncillaryGain):
     counts as what the cylinder then falls short; articulated models only"""
 
 
-class TubeWorkRange(Settings):
+class TubeOperatingRange(Settings):
     """Where the errors are linearised: at the middle of these ranges, and allowing for all of them."""
 
     speed: Annotated[tuple[Positive, Positive], Field(strict=False)] = (0.85, 1.05)
@@ -232,10 +232,11 @@ class TubeWorkRange(Settings):
 class TubeSettings(Settings):
     """The ancillary laws u = ū + K (x - x̄), and what the invariant sets are computed from."""
 
+    former_keys: ClassVar[Mapping[str, str]] = {"work": "operating_range"}
     nominal: Annotated[Nominal, Field(strict=False)] = Nominal.PREDICTED
     """what the ancillary law holds the vehicle to"""
     tighten: bool = True
     """let the nominal problems keep to what the sets leave of their bounds; false: to see what that is worth"""
     tractor: BodyTubeSettings = BodyTubeSettings()
     trailer: BodyTubeSettings = BodyTubeSettings()
-    work: TubeWorkRange = TubeWorkRange()
+    operating_range: TubeOperatingRange = TubeOperatingRange()

@@ -1,4 +1,4 @@
-"""The gain K of an ancillary law: given, or of the discrete linear quadratic regulator at the nominal work point."""
+"""The gain K of an ancillary law: given, or of the discrete LQR at the nominal operating point."""
 
 from collections.abc import Iterable
 
