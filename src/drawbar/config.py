@@ -71,7 +71,7 @@ class TuningSettings(Settings):
 
 
 def _kind(section: Any) -> str:
-    """Return which machine a section describes: the simulated one where it does not say."""
+    """Return which machine a section describes: the simulated one where it names none."""
     kind = section.get("kind", "simulated") if isinstance(section, dict) else getattr(section, "kind", "simulated")
     return str(kind)
 
@@ -95,7 +95,7 @@ class Configuration(Settings):
     """fastest change of the commanded speed during a run, m/s²; a run begins with the set speed"""
     vehicle: VehicleParameters = VehicleParameters()
     sensors: SensorNoise = SensorNoise()
-    """what the estimator believes of the sensors; the simulated ones are machine.sensors"""
+    """what the estimator assumes of the sensors; the simulated ones are machine.sensors"""
     estimator: Annotated[
         ArticulatedEstimatorSettings | TricycleEstimatorSettings | IdealEstimatorSettings,
         Field(discriminator="model"),

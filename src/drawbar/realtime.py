@@ -89,7 +89,7 @@ def prefer(niceness: int) -> str:
 
 
 def step_back_when_busy(longest: float, why: str) -> None:
-    """Have this process scheduled as any other from when it has been busy for a time (s) without waiting, and say so.
+    """Have this process scheduled as any other, and print that, once it has been busy for a time (s) without waiting.
 
     For a process that can be flooded from outside: scheduled first, it would starve all others.
     """
@@ -107,7 +107,7 @@ def step_back_when_busy(longest: float, why: str) -> None:
 
 
 def suspended_time() -> float:
-    """Return for how long this computer has been suspended since it started, s; 0 where the system does not say."""
+    """Return for how long this computer has been suspended since it started, s; 0 where the system gives no time."""
     if not hasattr(time, "CLOCK_BOOTTIME"):
         return 0.0
     for _ in range(ATTEMPTS):

@@ -1,4 +1,4 @@
-"""Wrong values: what pydantic finds in a configuration, told to its user by key, value and what is allowed."""
+"""Wrong values: what pydantic finds in a configuration, shown by key, value and what is allowed."""
 
 import reprlib
 from typing import Any
@@ -36,7 +36,7 @@ def _line(problem: Any, data: dict[str, Any], root: str) -> str:
         if "expected_tags" in context:  # "external" is what a class of one's own becomes
             context["expected_tags"] = context["expected_tags"].replace("'external'", "MODULE:CLASS of your own")
     reason = _REASONS[kind].format(**context) if kind in _REASONS else message
-    # a whole section is not shown: its message says what is wrong in it
+    # a whole section is not shown: its message names what is wrong in it
     whole = isinstance(problem["input"], dict) and kind in (*_REASONS, "value_error")
     given = "" if whole else f" = {reprlib.repr(problem['input'])}"
     return f"  {key or root}{given}: {reason.removesuffix('.')}."

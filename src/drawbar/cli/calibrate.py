@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 _NOTED_LATENCY = 0.02
 """of fixes, from which on it is worth a setting, s"""
 _FAR = 0.1
-"""share of a drive too far from the line, from which on it is told"""
+"""share of a drive too far from the line, from which on it is reported"""
 WIDE = ("--set guidance.maximum_start_distance=900", "--set sanity.lost=1000")
 """with which a drive by hand estimates far from its line, too"""
 

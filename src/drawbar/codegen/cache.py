@@ -24,7 +24,7 @@ from drawbar.errors import CompilerError
 _SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 
 Observer = Callable[[int, int], None]
-"""is told how many units of how many are compiled, first that none is"""
+"""is called with how many units of how many are compiled, first that none is"""
 _OBSERVER: ContextVar[Observer] = ContextVar("observer", default=lambda done, total: None)
 
 

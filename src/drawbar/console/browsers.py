@@ -1,4 +1,4 @@
-"""Browsers without a screen, for measuring: they open the drive page and say of each picture that it is drawn.
+"""Browsers without a screen, for measuring: they open the drive page and acknowledge each picture.
 
 `python -m drawbar.console.browsers ADDRESS` floods the console there until it is ended, and prints a line each time
 the console ends or refuses its connection.
@@ -92,7 +92,7 @@ def _opened(address: str) -> aiohttp.ClientSession:
 
 
 async def _page(session: aiohttp.ClientSession, address: str) -> tuple[str, str]:
-    """Return the ids of the page and of what hears that a picture was drawn."""
+    """Return the ids of the page and of the listener for drawn pictures."""
     async with session.get(address, headers={"Connection": "close"}) as answer:  # browsers use another for the socket
         text = await answer.text()
     client, listener = _CLIENT.search(text), _DRAWN.search(text)

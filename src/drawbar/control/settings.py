@@ -162,7 +162,7 @@ def _module_and_class(place: str) -> str:
 
 
 class ExternalControllerSettings(Settings):
-    """A controller of the user's own; `controller.model = "my_package:MyController"` says the same in short."""
+    """A controller of the user's own; `controller.model = "my_package:MyController"` is the short form."""
 
     model: Literal["external"]
     implementation: Annotated[str, AfterValidator(_module_and_class)]

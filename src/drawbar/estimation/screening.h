@@ -153,7 +153,7 @@ static inline double screening_white(const struct screening *s)
     return fmax(noise_deviation(&s->noise), s->deviation);
 }
 
-/* Whether a sample without two new fixes is one between those of slower receivers, and says nothing. */
+/* Whether a sample without two new fixes is one between those of slower receivers, and is no evidence. */
 static inline int screening_waits(const struct screening *s, double time)
 {
     return time - s->paired < BETWEEN_FIXES;

@@ -101,7 +101,7 @@ def _uninterrupted() -> Iterator[None]:
 
 
 def _connect(address: str) -> Client:
-    # what Dask would log, tracebacks included, when a scheduler dies is told by call_all in one message
+    # what Dask would log, tracebacks included, when a scheduler dies is reported by call_all in one message
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     try:
         client = Client(address, timeout=_PATIENCE)

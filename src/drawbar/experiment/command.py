@@ -1,4 +1,4 @@
-"""`drawbar experiment`: measure, analyse, write, and say whether the expected figures were met."""
+"""`drawbar experiment`: measure, analyse, write, and report whether the expected figures were met."""
 
 from collections.abc import Sequence
 from pathlib import Path

@@ -66,7 +66,7 @@ class Target:
 
     @property
     def stack_known(self) -> bool:
-        """Whether object files say what stack their functions use; COFF and Mach-O have no place for it."""
+        """Whether object files hold the stack use of their functions; COFF and Mach-O have no place for it."""
         return _SIZED in self.flags
 
 

@@ -239,7 +239,7 @@ class EstimationSolver(RealTimeIteration):
         return int(self._newest[0])
 
     def restart(self, prior: Floats) -> SolverStatus:
-        """Begin an empty window at a first guess, which is as good as `prior_deviation` says.
+        """Begin an empty window at a first guess, whose standard deviations are `prior_deviation`.
 
         Args:
             prior: (nx + np,) states, then parameters.

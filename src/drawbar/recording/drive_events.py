@@ -51,7 +51,7 @@ class Refused:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Noticed:
-    """The controller has told something of a sensor, for the first time since the vehicle is steered."""
+    """The controller has reported something of a sensor, for the first time since the vehicle is steered."""
 
     time: float
     """s since the epoch"""

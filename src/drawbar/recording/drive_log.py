@@ -206,7 +206,7 @@ class DriveLog(Recorder):
         self._add(topic, pack_message(message), message.time + self._offset)
 
     def add_event(self, moment: int, level: str, name: str, text: str) -> None:
-        """Add something said in words; level is info, warning or error."""
+        """Add a message in words; level is info, warning or error."""
         wall = moment + self._offset
         stamp = Timestamp(*divmod(wall, 1_000_000_000))
         self._add_known("/events", Log(timestamp=stamp, level=_LEVELS[level], message=text, name=name), wall)

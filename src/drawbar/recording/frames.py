@@ -47,7 +47,7 @@ _PIECE = 1 << 24
 
 
 class DamagedLogError(ValueError):
-    """A record is not what its checksum or its length says."""
+    """A record contradicts its checksum or its length."""
 
 
 class Damage(NamedTuple):
@@ -120,7 +120,7 @@ def _is_finished(stream: BinaryIO, written: int) -> bool:
 
 
 def _is_in_place(stream: BinaryIO, behind: int, end: int) -> bool:
-    """Return whether the summary, if there is one, begins where the footer says."""
+    """Return whether the summary, if there is one, begins where the footer points."""
     stream.seek(max(end - _LENGTHS[Opcode.FOOTER], 0))
     (start,) = _SIZE.unpack(stream.read(_SIZE.size))
     return start in (0, behind)
@@ -140,7 +140,7 @@ def _frame(stream: BinaryIO, begin: int, end: int) -> Frame:
 
 
 def _is_sound(stream: BinaryIO, begin: int, end: int) -> bool:
-    """Return whether a frame is what it says."""
+    """Return whether a frame is intact."""
     opcode, length = _head(stream, begin)
     if opcode == Opcode.CHUNK and length == ENDLESS:
         return True

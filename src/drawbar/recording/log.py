@@ -261,7 +261,7 @@ def log_of(run: Path) -> Path:
 
 
 def read_log(file: str | os.PathLike[str]) -> RunLog:
-    """Read the log of a run; a last record cut off by a crash is left out, and what is damaged is told by its losses.
+    """Read the log of a run; a last record cut off by a crash is left out, and what is damaged is in its losses.
 
     file: the log, or the folder of the run.
 

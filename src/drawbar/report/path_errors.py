@@ -20,7 +20,7 @@ T = TypeVar("T")
 _BEHIND, _AHEAD = 1.0, 3.0
 """m around the last closest point that are searched: the path crosses itself, a global search would jump"""
 _NEAR = 2.0
-"""m along the path from the place that the controller tells, within which the search finds the track"""
+"""m along the path from the place that the controller reports, within which the search finds the track"""
 _ASIDE = 10.0
 """m beside that place, beyond which it is another path's"""
 _PLACES = 0.25

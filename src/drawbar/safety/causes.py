@@ -235,4 +235,4 @@ BY_READINESS = {
     Readiness.FAULT: Cause.ACTUATOR_FAULT,
     Readiness.SHADOW: Cause.SHADOW,
 }
-"""what an actuator that is not ready says, as a cause"""
+"""what an actuator that is not ready reports, as a cause"""

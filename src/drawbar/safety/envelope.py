@@ -102,7 +102,7 @@ class Envelope:
         return (self._axes[0].angle, self._axes[1].angle)
 
     def repeats(self, command: CommandMessage) -> bool:
-        """Return whether a command has come before, or a later one has: a copy, which says nothing new."""
+        """Return whether a command has come before, or a later one has: a copy, which holds nothing new."""
         return self._sequence is not None and not is_after(command.sequence, self._sequence)
 
     def admit(self, command: CommandMessage, now: float) -> bool:

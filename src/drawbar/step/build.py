@@ -1,4 +1,4 @@
-"""Building an autopilot from its configuration: the only place that knows all components."""
+"""Building an autopilot from its configuration: the only place that depends on all components."""
 
 import math
 
@@ -71,7 +71,7 @@ def build_autopilot(configuration: Configuration) -> Autopilot:
 
 
 def step_settings(configuration: Configuration) -> StepSettings:
-    """Return what the step itself knows from the configuration."""
+    """Return the step's own settings."""
     preview = configuration.guidance.mode == "preview"
     return StepSettings(
         sample_time=configuration.sample_time,

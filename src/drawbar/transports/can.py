@@ -90,7 +90,7 @@ class PythonCanBus(CanBus):
         self.connected = False
         bus, self._bus = self._bus, None
         if bus:
-            with contextlib.suppress(Exception):  # a bus whose device is gone cannot be told so
+            with contextlib.suppress(Exception):  # a bus whose device is gone cannot be shut down
                 bus.shutdown()
 
     @property

@@ -15,7 +15,7 @@ from drawbar.nanoseconds import seconds
 _DIFFERENCE, _RATIO = 0.3, 1.5
 """where both are more, in m/s and as a ratio, one of them is wrong; slip makes less"""
 _HARD = 3.0
-"""deceleration beyond which wheels do not tell the vehicle's speed: their cable is cut, or they lock, m/s²"""
+"""deceleration beyond which wheels do not show the vehicle's speed: their cable is cut, or they lock, m/s²"""
 _REMEMBERED = 0.5
 """for which speeds of the wheels are compared with the newest, s"""
 

@@ -28,7 +28,7 @@ _STEERED = (SupervisorState.ENGAGING, SupervisorState.ACTIVE, SupervisorState.DE
 
 
 class Controller:
-    """Feeds the autopilot, engaged or not, and says to the gate what it wants and how it is.
+    """Feeds the autopilot, engaged or not, and sends the gate its commands and state.
 
     While it is not engaged, it looks on: a run begins by itself wherever the vehicle comes near the path.
     """

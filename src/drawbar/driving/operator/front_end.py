@@ -98,7 +98,7 @@ class FrontEnd:
         )
 
     def wait(self, duration: float) -> None:
-        """Take in what comes within a time, s, and say that the operator is there."""
+        """Receive for a time, s, and report that the operator is there."""
         self._clock.wait([self._endpoint], duration)
         for data in self._endpoint.receive():
             message = decode(data, GateState, ControllerState)

@@ -27,11 +27,11 @@ OFF = SteerCommand(steer=False, angle=0.0, speed=0.0).encode()
 _AGAIN = 0.1
 """between two off frames, s"""
 _LOOK = 0.25
-"""longest time without looking whether to end, or to tell the gate that it is there, s"""
+"""longest time without looking whether to end, or sending a heartbeat to the gate, s"""
 
 
 class Guard:
-    """Says when the boards are to be released; times are monotonic, s."""
+    """Decides when the boards are to be released; times are monotonic, s."""
 
     def __init__(self, timing: TimingSettings) -> None:
         """Begin with a gate that has sent nothing, and does not steer."""
@@ -39,7 +39,7 @@ class Guard:
         self._received, self._said, self._steers = -math.inf, -math.inf, False
 
     def receive_state(self, time: float, state: GateState) -> None:
-        """Take in what the gate has just said."""
+        """Take in the newest state of the gate."""
         self._received, self._said, self._steers = time, -math.inf, bool(state.steers)
 
     @property

@@ -53,7 +53,7 @@ class _DriversSeat:
                 self._heard = clock()
 
     def attend(self, now: float, commanded: float) -> None:
-        """Turn the wheels by hand while the gate is heard; drive while it is, or the steerings are commanded.
+        """Turn the wheels by hand while the gate sends; drive while it does, or the steerings are commanded.
 
         Args:
             now: s.
@@ -78,7 +78,7 @@ def _hands_off(_: Truth) -> None:
 
 
 def _driver_endpoint(options: ProcessOptions, configuration: Configuration) -> Endpoint:
-    """Open what the driver is told by, where the drive looks for it.
+    """Open the socket on which the driver receives, where the drive looks for it.
 
     Raises:
         HardwareError: another stand-in of these devices runs.

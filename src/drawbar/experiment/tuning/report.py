@@ -23,7 +23,7 @@ _CM, _DEGREES = 100.0, math.degrees(1.0)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Findings:
-    """Everything that a report tells."""
+    """Everything in a report."""
 
     space: SearchSpace
     seed: int

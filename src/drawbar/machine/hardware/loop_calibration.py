@@ -17,7 +17,7 @@ _SAME = math.radians(0.06)
 _REST = 0.3
 """for which it rests before it counts, s"""
 _SLOW = math.radians(2.0)
-"""fastest set point of which the error at the begin of a motion tells anything, rad/s"""
+"""fastest set point of which the error at the beginning of a motion is evaluated, rad/s"""
 _GOES_ON = 1.0
 """within which a motion has gone four times as far as where it is seen, s"""
 _FEWEST = 6

@@ -11,7 +11,7 @@ from drawbar.report.tube.recorded import Finding
 from drawbar.report.tube.units import scale, shown, title, with_unit
 
 _SMALLEST = 1e-9
-"""Excess, as it is shown, below which its size says nothing."""
+"""Excess, as it is shown, below which its size means nothing."""
 SET_COLUMNS = ("seen error", "true error", "excess")
 _ERRORS = {
     Nominal.PREDICTED: "e⁺ = B K e + w; the nominal state starts at the estimate and carries no error on",

@@ -21,7 +21,7 @@ class Login:
 
 
 def read_login(source: str, environment: Mapping[str, str] = os.environ) -> Login:
-    """Return the login from where `devices.corrections.credentials` says it is.
+    """Return the login from the place that `devices.corrections.credentials` names.
 
     Args:
         source: `environment:NAME`, `file:PATH`, or empty for a caster that asks for none.

@@ -15,7 +15,7 @@ from drawbar.transports.connection import Connection, Phase
 ATTEMPT = 10.0
 """from looking up the name to the caster's answer, s"""
 PATIENCE = 60.0
-"""a stream may say nothing for so long while the caster may be waiting for a position that the receiver lacks, s"""
+"""a stream may be silent for so long while the caster may be waiting for a position that the receiver lacks, s"""
 AT_ONCE = 4096
 """bytes taken at a time, 50 times a second: a hundred times what corrections are, and soon read whatever they are"""
 _REFUSALS = (0, *range(400, 500))
@@ -70,7 +70,7 @@ class Session:
         self._connection.close()
 
     def advance(self, now: float, position: bytes) -> bytes:
-        """Do what can be done now, and return the corrections that came; `failure` says whether it is over."""
+        """Do what can be done now, and return the corrections that came; `failure` is set when it is over."""
         phase = self._connection.advance()
         if phase is Phase.OPEN and self.state is CorrectionsState.CONNECTING:
             self._ask(now, position)
