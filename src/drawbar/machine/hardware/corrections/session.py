@@ -73,7 +73,7 @@ class Session:
         """Do what can be done now, and return the corrections that came; `failure` is set when it is over."""
         phase = self._connection.advance()
         if phase is Phase.OPEN and self.state is CorrectionsState.CONNECTING:
-            self._ask(now, position)
+            self._ask(position)
         data = self._connection.read() if self.state is not CorrectionsState.CONNECTING else b""
         stream = self._take(now, self._reader.feed(data)) if data else b""
         if self._flows or self.state is CorrectionsState.LISTENING:
@@ -85,7 +85,7 @@ class Session:
     def _flows(self) -> bool:
         return self.state is CorrectionsState.FLOWING
 
-    def _ask(self, now: float, position: bytes) -> None:
+    def _ask(self, position: bytes) -> None:
         request = ntrip_request(
             mount=self._settings.mount,
             host=self._settings.host,
