@@ -26,7 +26,7 @@ def resolved_table(source: str, extending: tuple[str, ...] = ()) -> tuple[dict[s
         extending: real paths of the files that extend this one.
 
     Raises:
-        ConfigurationError: unreadable, not TOML, or extends none that there is; says which and why.
+        ConfigurationError: unreadable, not TOML, or extends none that there is; names which and why.
     """
     text, origin = _read(source)
     try:

@@ -84,7 +84,7 @@ class Action(IntEnum):
     SET_SPEED = 8
     """drive at `value`, m/s"""
     LINE = 9
-    """drive the line so many working widths to the left of the configured one as `value` says, a whole number; while
+    """drive the line so many working widths to the left of the configured one as `value`, a whole number; while
     the vehicle is not steered. Takes the lease"""
 
 

@@ -52,7 +52,7 @@ def drive(
 ) -> Iterator[StepRecord]:
     """Yield the record of every step until the tractor reaches the end of the path.
 
-    The last thing that the machine is told is to stop, whatever ends the loop, SIGTERM included (it raises SystemExit,
+    The last call of the machine is to stop, whatever ends the loop, SIGTERM included (it raises SystemExit,
     unless the program handles it); close the iterator where it may be left early.
 
     Args:

@@ -37,7 +37,7 @@ def calibrate(
 
     What is found is written beside FILE, as NAME.calibrated.toml, which extends it: drive with that file. Nothing is
     moved but with --push, which finds direction, dead bands, rates and the sensor's scale of a valve or motor without
-    a loop of its own. docs/calibration.md says what to drive.
+    a loop of its own. docs/calibration.md describes what to drive.
     """
     from drawbar.config import load_configuration
 

@@ -198,7 +198,7 @@ class AncillaryGain(Settings):
 
 
 Declared = Mapping[str, NonNegative]
-"""bounds by name; `drawbar tube CONFIG` lists the names and units that a model knows"""
+"""bounds by name; `drawbar tube CONFIG` lists the names and units that a model has"""
 
 
 class BodyTubeSettings(AncillaryGain):

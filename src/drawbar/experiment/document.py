@@ -145,7 +145,7 @@ def _side_by_side(summaries: Iterable[Summary]) -> list[str]:
 
 
 def _machines(summaries: Iterable[Summary]) -> str:
-    """Say on what machine the runs were made, once for all experiments that share it."""
+    """Return on what machine the runs were made, once for all experiments that share it."""
     titles: dict[str, list[str]] = {}
     for each in summaries:
         titles.setdefault(", ".join(f"{fact} {text}" for fact, text in each.machine.items()), []).append(each.title)
@@ -165,7 +165,7 @@ def _sections(measured: MeasuredExperiment, elements: Sequence[Element]) -> list
 
 
 def _left_out(measured: MeasuredExperiment) -> list[str]:
-    """Say which cases were not driven, and why, and which texts for REPORT.md name some without a result."""
+    """Return which cases were not driven, and why, and which texts for REPORT.md name some without a result."""
     reasons = measured.experiment.left_out.items()
     not_driven = [f"Not driven: {'; '.join(f'{case} ({reason})' for case, reason in reasons)}."] if reasons else []
     return [*not_driven, *(f"{each}." for each in measured.left_out_texts())]

@@ -56,7 +56,7 @@ class Expectation(Settings):
         return statistic.largest if self.in_every_run else statistic.mean
 
     def holds(self, mean: float) -> bool:
-        """Tell whether a mean, or the largest of all runs, meets it; NaN never does."""
+        """Return whether a mean, or the largest of all runs, meets it; NaN never does."""
         if self.value is not None and self.within is not None:
             return abs(mean - self.value) <= self.within * abs(self.value)
         least = -math.inf if self.at_least is None else self.at_least

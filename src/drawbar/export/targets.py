@@ -130,7 +130,7 @@ def find_target(name: str) -> Target:
     """Return the target of that name or triple.
 
     Raises:
-        ConfigurationError: there is none, or several of that triple; says which there are.
+        ConfigurationError: there is none, or several of that triple; names which there are.
     """
     found = [target for target in TARGETS if name in (target.name, target.triple)]
     if len(found) == 1:

@@ -3,7 +3,7 @@
 It grows uncompressed, behind a header with an impossible length, and is flushed to the operating system when the caller
 asks. When it is full its header gets length and checksum; or one zstd frame takes its place, in steps after each of
 which the file is whole. In the frame the messages of each channel stand together, in their order, which makes a drive's
-log 8 % shorter. A killed process leaves a last chunk that says it is endless: readers (stream.py) take what is there.
+log 8 % shorter. A killed process leaves a last chunk whose length is endless: readers (stream.py) take what is there.
 """
 
 import struct
@@ -146,7 +146,7 @@ class Chunk:
         )
 
     def _close(self, span: tuple[int, int]) -> tuple[int, int]:
-        """Say how long the chunk is; return where it begins, and the size of its records."""
+        """Write how long the chunk is; return where it begins, and the size of its records."""
         self.flush()
         head = _chunk_head(span, self.size, self._crc, "", self.size)
         _write(self._stream, self._start + FRAME.size, head[FRAME.size :])

@@ -188,7 +188,7 @@ class DriveLog(Recorder):
     def add_message(self, message: Message) -> None:
         """Add a record of one of the processes; a kind that has no topic is left out.
 
-        States of the gate come twice, from the gate and from the controller that heard them, and are added once.
+        States of the gate come twice, from the gate and from the controller that received them, and are added once.
         """
         if isinstance(message, ControllerState):
             self._status = Status(message.status)

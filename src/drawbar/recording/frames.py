@@ -1,7 +1,7 @@
 """Frames of an MCAP file: its records as they stand in it, also behind bytes that are damaged.
 
-A frame is believed where what it holds agrees with its length, or where another frame follows it. Behind one that is
-not believed the next sound chunk is looked for, or the outcome; what lies between is told as damage. A crash cuts the
+A frame is accepted where what it holds agrees with its length, or where another frame follows it. Behind one that is
+not, the next sound chunk is looked for, or the outcome; what lies between counts as damage. A crash cuts the
 last frame off and leaves no magic at the end; in a file that ends with it, a frame without an end is damage too.
 """
 
@@ -57,7 +57,7 @@ class Damage(NamedTuple):
     end: int
 
     def __str__(self) -> str:
-        """Say where they are; none: where some are missing."""
+        """Return where they are; none: where some are missing."""
         if self.begin == self.end:
             return f"bytes may be missing before byte {self.begin}"
         return f"bytes {self.begin} to {self.end - 1} are damaged"

@@ -78,7 +78,7 @@ class Outcome:
 
     @classmethod
     def of(cls, error: BaseException | None) -> Self:
-        """Say what ended a run; only an error that no user was meant to read shows the name of its class."""
+        """Return what ended a run; only an error that no user was meant to read shows the name of its class."""
         if error is None:
             return cls(finished=True, reason="the path was driven to its end")
         if isinstance(error, KeyboardInterrupt):

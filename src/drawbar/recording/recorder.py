@@ -1,6 +1,6 @@
 """Recorder of every control step, in a log that survives a crash: MCAP, chunks that are readable while they grow.
 
-A step is written as the bytes that C made of it, behind the four that say that they are CDR.
+A step is written as the bytes that C made of it, behind the four that mark them as CDR.
 """
 
 import math

@@ -12,7 +12,7 @@ SOFT = 0.36
 """Side-slip per angle of a slope on soft soil, which the estimated side-slips are taken for; on firm soil the slope is
 steeper than that suggests"""
 _NOTED = 2.0
-"""Standard deviations that an offset has to be away from what is stated to be told"""
+"""Standard deviations that an offset has to be away from what is stated to be reported"""
 _TURNED = 0.3
 """Standard deviation of the headings' cosines and sines from which on the world's part of the side-slips shows"""
 _LEAST = 0.3

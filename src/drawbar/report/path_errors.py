@@ -1,6 +1,6 @@
 """Path errors: how far both bodies were from the line that was followed; their tracked points on the ground.
 
-The line is the path, or one beside it: a nudged one, or a neighbouring pass. How far beside, each step tells by the
+The line is the path, or one beside it: a nudged one, or a neighbouring pass. How far beside, each step has in the
 point of the line that it found closest. Logs of drawbars that did not record it for a tool are judged by the path.
 """
 

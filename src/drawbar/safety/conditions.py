@@ -170,7 +170,7 @@ def present(observation: Observation, settings: SafetySettings) -> tuple[Cause, 
 def worst(causes: tuple[Cause, ...]) -> tuple[Response, Cause | None]:
     """Return the strongest response that the causes ask for while driving, and the first cause that asks for it.
 
-    That an actuator has released is what all its troubles look like: any other cause says more.
+    That an actuator has released is what all its troubles look like: any other cause is more specific.
     """
     strongest = max(causes, key=lambda cause: (cause.response, cause is not Cause.ACTUATOR_RELEASED), default=None)
     return (Response.NONE, None) if strongest is None else (strongest.response, strongest)

@@ -5,7 +5,7 @@ is wrong, it has expired, or its time cannot be. Are its numbers allowed (`limit
 All numbers of a decoded record are finite (message_records.py), and every comparison is written so that NaN fails it.
 
 It is not `gate.h`, the last part of the control step, which answers for commands of one run by a model of the
-actuators; this one knows nothing of the controller, and goes by what is measured. Pure, without numpy.
+actuators; this one is independent of the controller, and uses what is measured. Pure, without numpy.
 """
 
 import math

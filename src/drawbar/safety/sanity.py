@@ -62,7 +62,7 @@ def sanity_unit(vehicle: VehicleParameters, settings: SanitySettings, *, positio
         vehicle: whose wheelbase is known.
         settings: when to do what.
         position: standard deviation of one coordinate of a fix whose receiver reports none, m.
-        chain: the estimator knows the exact chain.
+        chain: the estimator has the exact chain.
     """
     values: dict[str, ArrayLike] = {
         **settings.model_dump(exclude={"lost", "leaving", "blind", "blind_deviation"}),

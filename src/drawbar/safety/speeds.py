@@ -59,7 +59,7 @@ class Speeds:
     def believable(self, time: float) -> float:
         """Return the larger newest magnitude, as far as it is no more than known or this machine's largest, m/s.
 
-        Boards are told it, which release above 25 km/h, and turn no wheel at standstill: a false report of a receiver
+        It is sent to boards, which release above 25 km/h, and turn no wheel at standstill: a false report of a receiver
         or of the wheels must bring about neither. Where no source is fresh, the newest of both stays.
         """
         return min(max(self.fresh(time).values(), default=abs(self.last)), self.largest(time), self._envelope.speed)

@@ -12,7 +12,7 @@ _SECTIONS = ("disturbances", "estimation", "increments")
 def advice(
     body: str, bound: TightenedBound, settings: BodyTubeSettings, left: Callable[[BodyTubeSettings], float]
 ) -> str:
-    """Say by how much a bound is overdrawn and what would leave something of it.
+    """Return by how much a bound is overdrawn and what would leave something of it.
 
     Args:
         body: tractor or trailer.

@@ -49,7 +49,7 @@ def with_kept_rates(
 def _often_enough(
     controller: ArticulatedControllerSettings, conditions: OperatingConditions, tube: TubeSettings
 ) -> str:
-    """Say with which sample time it could be done at this speed, "" where none of those tried suffices."""
+    """Return with which sample time it could be done at this speed, "" where none of those tried suffices."""
     for share in _SHARES:
         tried = float(f"{share * conditions.sample_time:.2g}")
         try:

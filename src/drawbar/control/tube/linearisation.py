@@ -1,7 +1,7 @@
 """Error models from declared vehicle models: Jacobians by CasADi, discretised exactly for what is held over a sample.
 
 The sources of disturbance are the model's own parameters, each as the error of what the nominal model assumes for the
-sample, and one additive rate for each state for all that no parameter can say.
+sample, and one additive rate for each state for all that no parameter can describe.
 """
 
 import math

@@ -31,7 +31,7 @@ def board_wires(
 
     Args:
         boards: their settings.
-        clock: of what they say, s.
+        clock: of what they send, s.
         listens: open sockets that receive from the boards, and send nothing.
         sentences: path to hand the boards' sentences to, for receivers on them; empty: there are none.
 

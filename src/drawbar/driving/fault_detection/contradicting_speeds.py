@@ -1,9 +1,9 @@
 """Contradicting speeds: the wheels' speed is not that of the tractor's antenna, or falls faster than a vehicle stops.
 
 An encoder whose cable is cut reports standing wheels, and its report is not missing. Which of both is wrong is not
-known (a receiver may report knots), and positions tell more than either. The gate, which is told both, stops. Where no
-receiver reports, nothing else shows that the vehicle moves: without a speed its position is soon too unsure, and it is
-stopped.
+known (a receiver may report knots), and positions are more reliable than either. The gate, which receives both, stops.
+Where no receiver reports, nothing else shows that the vehicle moves: without a speed its position is soon too unsure,
+and it is stopped.
 """
 
 import math

@@ -237,7 +237,7 @@ class Controller:
     def _choose_line(self, offset: float, nudge: float) -> None:
         """Drive the line so far left of the configured one, m, and nudged.
 
-        Where that is not possible, the old one stays; `line_offset` of the controller's state says which is driven.
+        Where that is not possible, the old one stays; `line_offset` of the controller's state shows which is driven.
         """
         if (offset, nudge) == self._requested_line:
             return

@@ -37,7 +37,7 @@ _MOST_KEYS = 64
 class Keyboard:
     """Single keys of a terminal, as a context; nothing where standard input is no terminal.
 
-    `is_gone`: the terminal was closed, and nobody is there; SIGHUP, which says so too, may be ignored.
+    `is_gone`: the terminal was closed, and nobody is there; its signal, SIGHUP, may be ignored.
     """
 
     def __enter__(self) -> Self:

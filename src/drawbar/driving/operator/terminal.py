@@ -1,6 +1,6 @@
 """Terminal: what the operator is shown of a drive, line by line, and below these a picture of how it is now.
 
-Where the console is no terminal, as in a service's journal, what the picture says against engaging and of sensors are
+Where the console is no terminal, as in a service's journal, what the picture shows against engaging and of sensors are
 lines as well.
 """
 

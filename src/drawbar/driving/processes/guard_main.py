@@ -3,7 +3,7 @@
 `python -m drawbar.driving.processes.guard_main`, with the gate's options on standard input. The gate sends its state at
 each tick; when it steers and sends nothing for as long as it may be late, off frames go to the boards until it sends
 again, for `timing.off` seconds at most: from the gate's own sockets, passed to it, since AiO_26 obeys no other port.
-An ISOBUS valve watches itself, within 200 ms. The guard runs beside the gate, not within, and tells it that it is there
+An ISOBUS valve watches itself, within 200 ms. The guard runs beside the gate, not within, and sends it heartbeats
 and has the sockets: else the gate does not engage.
 """
 

@@ -65,7 +65,7 @@ class _DriversSeat:
 
 
 def _tell(driver: Driver, state: GateState) -> None:
-    """Tell the driver what the gate does: stand until the emergency stop was tried, and begin again after a stop."""
+    """Pass the gate's state to the driver: stand until the emergency stop was tried, and begin again after a stop."""
     rests = state.state is SupervisorState.STANDBY
     untried = Cause.EMERGENCY_UNTRIED.value in state.refusals and Cause.SHADOW.value not in state.refusals
     driver.stop_requested = (bool(state.stop) and not rests) or untried

@@ -87,7 +87,7 @@ class Calibration:
         Args:
             plan: the pushes.
             limits: None: the default ones.
-            direction: 1 where a positive drive turns left, -1 to the right; 0: the first push that moves tells.
+            direction: 1 where a positive drive turns left, -1 to the right; 0: the first push that moves shows it.
         """
         self.direction = direction
         """what is known of it so far"""

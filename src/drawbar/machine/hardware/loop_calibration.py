@@ -39,7 +39,7 @@ class LoopDrive:
 def loop_dead_band(drive: LoopDrive) -> Calibrated:
     """Return how far the set point must be away until a resting steering moves to it, rad.
 
-    Each motion from rest, while the set point moves slowly, tells it once: the error at which it began. The value is
+    Each motion from rest, while the set point moves slowly, shows it once: the error at which it began. The value is
     their median.
     """
     time, asked, measured = finite_columns(drive.times, drive.asked, drive.measured)

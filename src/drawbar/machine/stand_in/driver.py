@@ -46,7 +46,7 @@ class Driver:
 
         Args:
             time: s.
-            attended: somebody commands the steerings, even if only not to steer, or tells what the gate does.
+            attended: somebody commands the steerings, even if only not to steer, or sends the gate's state.
         """
         if attended:
             self._came = min(self._came, time)

@@ -91,7 +91,7 @@ class Assembler:
     def add(self, message: Message, time: float) -> list[Epoch]:
         """Take a message whose first byte came at a monotonic time (s); return the epochs that it ends.
 
-        What a receiver says of spoofing holds until it says otherwise: it does not say so in each epoch.
+        A receiver's report of spoofing holds until its next one: it does not send one in each epoch.
         """
         if told := [content.suspected for content in message.contents if isinstance(content, Spoofing)]:
             self._spoofed = any(told)
@@ -177,7 +177,7 @@ class Assembler:
     def _goes_on(self, utc: float, received: float) -> bool:
         """Whether a time in the past, or in the future by those before it, is one that the epoch before this one began.
 
-        Both then came as fast as their times go on: the receiver has set its clock. One wrong time, believed, would
+        Both then came as fast as their times go on: the receiver has set its clock. One wrong time, accepted, would
         make all epochs of the next 60 s seem old, and so would an epoch that comes again, or late.
         """
         before, offset = self._elsewhere, self._clock.offset(utc, received)

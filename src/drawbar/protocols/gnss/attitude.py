@@ -19,7 +19,7 @@ def choose_attitude(
 ) -> tuple[Attitude | None, str]:
     """Return the best attitude of an epoch that is plausible, None where there is none, or a reason to refuse it.
 
-    A heading is taken while its own ambiguities are fixed; a sentence that does not say so (HDT, THS) goes by the
+    A heading is taken while its own ambiguities are fixed; a sentence without that (HDT, THS) goes by the
     position's. The measured distance of the antennas must be the surveyed one.
     """
     given = [content for content in contents if isinstance(content, Attitude)]

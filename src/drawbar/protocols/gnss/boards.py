@@ -19,7 +19,7 @@ _KSXT_FIXED = 3
 def panda(values: Values) -> tuple[Content, ...]:
     """Return what one antenna and an inertial sensor measure, in integers of 0.1°; without sensor the rest is stale.
 
-    The last field is called yaw rate. Most firmware sends 0 there, other firmware numbers whose scale it alone knows:
+    The last field is called yaw rate. Most firmware sends 0 there, other firmware numbers of a scale of its own:
     it is not taken.
     """
     contents = _board(values)

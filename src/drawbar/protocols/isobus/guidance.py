@@ -60,7 +60,7 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
     comes out of turn. While another sender intends to steer the valve nothing is commanded, but for the second after
     drawbar has steered.
 
-    An exit reason tells why a valve takes no commands, or why it has last ceased to. Where a valve keeps it although it
+    An exit reason is why a valve takes no commands, or why it has last ceased to. Where a valve keeps it although it
     says that it is ready, it is the latter after a second, and does not stand against steering; the valve must clear
     it once it steers.
 

@@ -51,7 +51,7 @@ def _kept(configuration: Configuration) -> Configuration:
 
 
 def _raised(name: str, declared: BodyTubeSettings, counted: BodyTubeSettings) -> str:
-    """Say by how much the steering rate's disturbance counts as more than it is declared, "" where it does not."""
+    """Return by how much the steering rate's disturbance counts as more than it is declared, "" where it does not."""
     before, now = (settings.disturbances.get("steering_rate", 0.0) for settings in (declared, counted))
     if now == before:
         return ""

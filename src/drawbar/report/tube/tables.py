@@ -55,7 +55,7 @@ def _excess(value: float, unit: str) -> str:
 
 
 def unbounded_text(tube: SubsystemTube) -> str:
-    """Say which errors have no bound, and why; empty where all have one."""
+    """Return which errors have no bound, and why; empty where all have one."""
     if tube.invariant_set is None:
         return "No bounds are declared: there is no set, and nothing is tightened."
     free = [title(state) for i, state in enumerate(tube.model.states) if i not in tube.invariant_set.bounded]

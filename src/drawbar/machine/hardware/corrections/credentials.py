@@ -28,7 +28,7 @@ def read_login(source: str, environment: Mapping[str, str] = os.environ) -> Logi
         environment: variables.
 
     Raises:
-        ConfigurationError: it is not there, or others may read it; says what to do, never what is in it.
+        ConfigurationError: it is not there, or others may read it; names what to do, never what is in it.
     """
     kind, _, place = source.partition(":")
     if not source:

@@ -20,7 +20,7 @@ AT_ONCE = 4096
 """bytes taken at a time, 50 times a second: a hundred times what corrections are, and soon read whatever they are"""
 _REFUSALS = (0, *range(400, 500))
 """codes of a request that a caster refuses; with 3xx a modem's page answers, with 5xx a caster that is in trouble
-itself; 0: it tells none"""
+itself; 0: it reports none"""
 _ADVICE = {
     Answer.SOURCE_TABLE: "check devices.corrections.mount",
     Answer.NO_MOUNT: "check devices.corrections.mount",
