@@ -1,8 +1,7 @@
 """Notices: faults of sensors for the operator, each a cause with its code, sentence and advice.
 
 The gate decides by the remaining measurements, and reports that a position is not known well enough, not which sensor
-has been left out, or why. A notice stays until the operator has acknowledged the stop that it led
-to.
+has been left out, or why. A notice stays until the operator has acknowledged the stop that it led to.
 """
 
 import math
