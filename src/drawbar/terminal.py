@@ -114,7 +114,7 @@ class Output(Console):
     """Standard output, or standard error; where nobody reads it any more, the command continues without."""
 
     def __init__(self, **options: Any) -> None:
-        """Forget `COLUMNS=0`, which some programs say before they know: nothing at all would be printed."""
+        """Remove `COLUMNS=0`, which some programs set before the width is known: nothing at all would be printed."""
         if not os.environ.get("COLUMNS", "").strip("0"):
             os.environ.pop("COLUMNS", None)
         super().__init__(**options)

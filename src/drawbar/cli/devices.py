@@ -30,7 +30,7 @@ def check(
         bool, typer.Option("--store", help="write devices.*_board.memory to AgOpenGPS boards first; asks twice before")
     ] = False,
 ) -> None:
-    """Listen to every device that the configuration names, and say what is missing. Without --wiggle nothing is moved.
+    """Listen to every configured device, and print what is missing. Without --wiggle nothing is moved.
 
     The wiggle test tries sign, range and delay of both steerings while the vehicle rolls straight ahead; without it
     `drawbar drive` does not engage. It holds until the computer restarts, for 12 hours at most.
@@ -40,8 +40,10 @@ def check(
     require_extra("machine", "drawbar check")
     from drawbar.driving.devices.path_frame import local_frame
     from drawbar.driving.preparation import check as checking  # imports the extra
+    from drawbar.driving.preparation.matching_settings import demand_matching_settings
 
     config = _with_devices(configuration, changes)
+    demand_matching_settings(config)
     assert config.devices is not None
     oldest = config.safety.engage.correction_age
     frame = local_frame(config)

@@ -188,7 +188,7 @@ class RunsPage:
             ui.label(title)
 
     def _tell_gone(self) -> None:
-        """Say that a run is not there any more: somebody else has deleted it."""
+        """Show that a run is not there any more: somebody else has deleted it."""
         tell(self._words("run_gone"))
         self._shown.set_visibility(False)
         self._show_all()
