@@ -94,6 +94,8 @@ def test_on_the_narrowest_phone_vehicle_speed_and_what_to_do_are_seen(drive, som
         page.goto(f"{drive}language/{language}")
         page.locator(".adjust .value").first.wait_for()
         assert page.locator(".adjust .value, .adjust small").evaluate_all(TOO_WIDE) == [], language
+    bar = page.locator(".lightbar").first.bounding_box()
+    assert bar["width"] > 120, "half the screen, less its margins"
     first, second = page.evaluate(HEIGHTS)
     assert first == second, "the map does not jump when a body leaves the line"
     press_until(page, word(page, "Angehalten"), "STOPP")
