@@ -57,7 +57,7 @@ class Section:
 
 
 def _views(log: Columns) -> list[Section]:
-    whose = "True positions." if log.has_truth else "A real machine: estimated positions, the truth is not known."
+    whose = "True positions." if log.has_truth else "Estimated positions: a drive does not know the true ones."
     whose = whose if log.steps else "No step was made."
     return [
         Section(
