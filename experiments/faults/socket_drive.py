@@ -116,11 +116,6 @@ class SocketDrive:
         """Raise NotDrivenError: the gate's inside is another process's."""
         raise NotDrivenError("it changes the inside of the gate, here a process of its own")
 
-    @property
-    def loop(self) -> NoReturn:
-        """Raise NotDrivenError: the control loop is another process's."""
-        raise NotDrivenError("stand-ins have no yaw-rate sensor")
-
     def ask(self, action: Action, value: float = 0.0) -> None:
         """Let the operator ask for something now."""
         self.operator.operator.ask(action, time.monotonic_ns(), value)

@@ -40,8 +40,10 @@ def check(
     require_extra("machine", "drawbar check")
     from drawbar.driving.devices.path_frame import local_frame
     from drawbar.driving.preparation import check as checking  # imports the extra
+    from drawbar.driving.preparation.matching_settings import demand_matching_settings
 
     config = _with_devices(configuration, changes)
+    demand_matching_settings(config)
     assert config.devices is not None
     oldest = config.safety.engage.correction_age
     frame = local_frame(config)

@@ -84,7 +84,7 @@ def drive(
     if with_console:
         _demand_real_time(pace)
     if remember:
-        _demand_what_is_remembered(configuration, shadow=shadow)
+        _demand_what_is_remembered(configuration, changes or [], shadow=shadow)
     changes = [*_line_change(configuration, track, changes or []), *(changes or [])]
     config, stand_ins = _configured(configuration, changes, pace)
     runs = str(out.parent if out else "runs")
@@ -112,8 +112,10 @@ def _demand_real_time(pace: int) -> None:
         raise ConfigurationError(f"--console shows a drive in real time; leave out --pace {pace}, or --console")
 
 
-def _demand_what_is_remembered(configuration: str, *, shadow: bool) -> None:
-    """Raise ConfigurationError where a drive shows nothing of the steerings, or where that cannot be written."""
+def _demand_what_is_remembered(configuration: str, changes: list[str], *, shadow: bool) -> None:
+    """Raise ConfigurationError where a drive shows nothing of the machine's steerings, or that cannot be written."""
+    from drawbar.config import load_configuration
+    from drawbar.driving.devices.pace import shown_pace
     from drawbar.errors import ConfigurationError
 
     if shadow:
@@ -122,6 +124,13 @@ def _demand_what_is_remembered(configuration: str, *, shadow: bool) -> None:
         raise ConfigurationError(
             f"--remember writes beside a configuration's file, {configuration} is none; give a file, or leave out "
             "--remember"
+        )
+    devices = load_configuration(configuration, changes).devices
+    if devices is None or shown_pace(devices) is not None:
+        which = "[devices] are not configured" if devices is None else "`drawbar stand-in` runs at these devices"
+        raise ConfigurationError(
+            f"--remember keeps how the steerings of your machine move, and stand-ins would be driven: {which}; leave "
+            "out --remember, or drive the machine"
         )
 
 
@@ -150,10 +159,12 @@ def _configured(name: str, changes: list[str], pace: int) -> tuple["Configuratio
     from drawbar.config import load_configuration
     from drawbar.driving.devices.pace import demand_stand_in
     from drawbar.driving.loop.controller import Controller
+    from drawbar.driving.preparation.matching_settings import demand_matching_settings
     from drawbar.driving.stand_in.demonstration import with_stand_ins
     from drawbar.simulation import build_path
 
     config = load_configuration(name, changes)
+    demand_matching_settings(config)
     stand_ins = config.devices is None
     if config.devices is not None:
         demand_stand_in(config.devices, pace)

@@ -72,7 +72,8 @@ def _tables(console: Console, analysis: Analysis, measured: MeasuredExperiment) 
             return list(analysis.report(measured))
     except NotDrivenError as error:
         missing = [error.args[0]]
-    console.print(f"{measured.experiment.folder.name}: no result of {', '.join(missing)}: means, not its own tables")
+    name, cases = measured.experiment.folder.name, ", ".join(missing)
+    console.print(f"{name}: no result of {cases}: a table of means is written in place of the experiment's own tables")
     return table_of_means(measured)
 
 

@@ -89,7 +89,7 @@ def heading_figure(log: Columns) -> Figure:
 def speed_figure(log: Columns) -> Figure:
     """Draw the wheel speed as commanded, measured and estimated, m/s."""
     looks = {
-        "measurement.speed": ("Measured", style.REFERENCE, 1.0),
+        "measurement.speed": ("Measured", style.MEASURED, 1.0),
         "estimate.speed": ("Estimated", style.ESTIMATOR, 1.6),
         "command.speed": ("Commanded", style.INK, 1.2),
     }
@@ -99,7 +99,7 @@ def speed_figure(log: Columns) -> Figure:
 def hitch_figure(log: Columns) -> Figure:
     """Draw the hitch angle as measured and estimated, degrees."""
     looks = {
-        "measurement.hitch_angle": ("Measured", style.REFERENCE, 1.0),
+        "measurement.hitch_angle": ("Measured", style.MEASURED, 1.0),
         "estimate.hitch_angle": ("Estimated", style.ESTIMATOR, 1.6),
     }
     return _along_figure(log, _compared(log, looks, math.degrees(1.0), "°"), "Hitch angle, °")

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from drawbar.driving.fault_detection.reversed_hitch_sensor import ReversedHitchSensor
+from drawbar.driving.fault_detection.simulated_hitch_angle import SimulatedHitchAngle
 from drawbar.vehicle.parameters import VehicleParameters
 
 DEGREE = math.pi / 180.0
@@ -26,7 +27,8 @@ def steady(steering: float) -> float:
 
 def seen(sensor: Sensor, *, steering: float = 6.0 * DEGREE, sample_time: float = 0.2, speed: float = SPEED) -> float:
     """Return when a sensor is first seen as reversed within 40 s on a circle, s; infinity: never."""
-    detector, rng = ReversedHitchSensor(VEHICLE, sample_time), np.random.default_rng(4)
+    detector, rng = ReversedHitchSensor(sample_time), np.random.default_rng(4)
+    simulation = SimulatedHitchAngle(VEHICLE, sample_time)
     slips = SimpleNamespace(
         longitudinal_slip=1.0, tractor_slip=1.0, steering_offset=0.0, tractor_crab=0.0, trailer_crab=0.0
     )
@@ -35,7 +37,8 @@ def seen(sensor: Sensor, *, steering: float = 6.0 * DEGREE, sample_time: float =
         time = k * sample_time
         told = sensor(true, time) + rng.normal(0.0, 1.0 * DEGREE)
         measured = SimpleNamespace(hitch_angle=told, trailer_steering=0.0, tractor_steering=steering, speed=speed)
-        if detector.update(SimpleNamespace(measurement=measured, estimate=slips)):
+        simulated = simulation.update(SimpleNamespace(measurement=measured, estimate=slips))
+        if detector.update(told, simulated):
             return time
     return math.inf
 

@@ -95,10 +95,20 @@ def test_a_refusal_is_shown_for_some_seconds_only(tmp_path):
 def test_of_a_silent_controller_only_that_is_said(heard):
     codes = [cause.value for cause in present(Observation(operator_age=0.0), SafetySettings())][:8]
     assert Cause.CONTROLLER_SILENT.value in codes
-    state = dataclasses.replace(ready_gate(1), state=SupervisorState.STANDBY, refusals=tuple(codes))
+    state = dataclasses.replace(ready_gate(1), state=SupervisorState.STANDBY, refusals=tuple(codes), time=5 * 10**9)
     assert refusals(state, heard) == [Cause.CONTROLLER_SILENT]
+    newer = dataclasses.replace(state, since=state.time - 19 * 10**8)
+    assert refusals(newer, heard) == ([Cause.CONTROLLER_SILENT] if heard else []), "it cannot have reported yet"
+    older = dataclasses.replace(state, since=state.time - 2 * 10**9)
+    assert refusals(older, heard) == [Cause.CONTROLLER_SILENT]
     codes.remove(Cause.CONTROLLER_SILENT.value)
     assert Cause.CORRECTIONS_OLD in refusals(dataclasses.replace(state, refusals=(*codes, 0)), None)
+
+
+@pytest.mark.parametrize("state", [SupervisorState.BOOT, SupervisorState.SELFTEST])
+def test_nothing_stands_against_engaging_while_the_gate_tests_itself(state):
+    codes = (Cause.CONTROLLER_SILENT.value, Cause.NO_OPERATOR.value, *[0] * 6)
+    assert refusals(dataclasses.replace(ready_gate(1), state=state, refusals=codes, time=5 * 10**9), None) == []
 
 
 @pytest.mark.parametrize("lacking", [Cause.RECEIVER_SILENT, Cause.RECEIVER_TIMES])

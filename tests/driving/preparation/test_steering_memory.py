@@ -12,6 +12,7 @@ from drawbar.cli import calibrate as cli_calibrate
 from drawbar.cli.main import app
 from drawbar.config import load_configuration
 from drawbar.driving.preparation.steering_memory import longest_steering, steering_memory
+from drawbar.driving.stand_in.demonstration import with_stand_ins
 from drawbar.estimation.settings import SteeringMemories
 from drawbar.signals import Flag
 from drawbar.simulation import Simulation
@@ -133,7 +134,7 @@ def test_a_drive_that_shows_nothing_leaves_the_file_alone(tmp_path, capsys):
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="real machines are driven by Linux only")
-@pytest.mark.parametrize("given", [["articulated"], ["{mine}", "--shadow"]])
+@pytest.mark.parametrize("given", [["articulated"], ["{mine}", "--shadow"], ["{mine}"]])
 def test_there_must_be_a_file_to_remember_beside_and_something_that_is_steered(given, tmp_path, drawbar):
     mine = tmp_path / "my.toml"
     mine.write_text('extends = "articulated"\n', "utf-8")
@@ -141,3 +142,14 @@ def test_there_must_be_a_file_to_remember_beside_and_something_that_is_steered(g
     assert code == 2
     assert "--remember" in told
     assert "leave out" in told
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="real machines are driven by Linux only")
+def test_what_a_stand_in_shows_is_not_remembered_of_the_machine(tmp_path, monkeypatch, drawbar):
+    mine = tmp_path / "my.toml"
+    mine.write_text(with_stand_ins(load_configuration("articulated")).to_toml(), "utf-8")
+    monkeypatch.setattr("drawbar.driving.devices.pace.shown_pace", lambda devices: 1)
+    code, told = drawbar("drive", str(mine), "--remember")
+    assert code == 2
+    assert "`drawbar stand-in` runs at these devices" in " ".join(told.split())
+    assert not (tmp_path / "my.calibrated.toml").exists()

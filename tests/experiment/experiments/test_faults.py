@@ -84,6 +84,14 @@ def test_the_vehicle_stays_near_its_line_until_it_is_released(
     assert np.mean([figures["steered"] for figures in each]) < KEPT[case]
 
 
+def test_a_yaw_rate_that_sticks_in_a_curve_costs_little(experiment: Experiment, analysis: ModuleType) -> None:
+    """This seed had 35 cm before the samples in which it was followed were computed again."""
+    case = "2 m/s, curve, yaw rate measured: S29 yaw rate stuck"
+    figures = analysis.figures(run(experiment.with_cases([case]).tasks(17)[case][16]))
+    assert figures["response"] == 0.0
+    assert figures["steered"] < 20.0
+
+
 def test_a_set_point_beyond_the_envelope_is_seen(experiment: Experiment, analysis: ModuleType) -> None:
     from drawbar.config import load_configuration
 

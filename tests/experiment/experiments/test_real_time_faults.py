@@ -52,10 +52,10 @@ def test_a_fault_is_driven_once_and_kept(tmp_path):
 
 
 def test_a_fault_that_no_such_drive_can_have_is_told_with_its_reason(tmp_path):
-    with started(tmp_path, "--only", "curve: S29 yaw rate reversed") as command:
+    with started(tmp_path, "--only", "curve: C20 computer suspended") as command:
         command.communicate()
     assert (
-        "| 2 m/s, curve | S29 yaw rate reversed | drives on | not driven |  | stand-ins have no yaw-rate sensor |"
+        "| 2 m/s, curve | C20 computer suspended | releases | not driven |  | it changes the inside of the gate, "
         in (tmp_path / "kept.md").read_text("utf-8")
     )
 

@@ -21,6 +21,7 @@ from statistics import fmean
 from drawbar.driving.fault_detection.confirmation import CONFIRMED
 from drawbar.driving.fault_detection.reversed_hitch_sensor import ReversedHitchSensor
 from drawbar.driving.fault_detection.running_rms import MOVES, RunningRms
+from drawbar.driving.fault_detection.simulated_hitch_angle import SimulatedHitchAngle
 from drawbar.driving.fault_detection.stuck_hitch_sensor import StuckHitchSensor
 from drawbar.safety.sanity import SanitySettings
 from drawbar.signals import FixStatus, Measurement, Pose, SolverStatus, StepRecord
@@ -69,7 +70,8 @@ class FaultExclusion:
     def __init__(self, settings: SanitySettings, vehicle: VehicleParameters, sample_time: float) -> None:
         """Begin with nothing excluded; `sample_time` in s."""
         self._hitch_limit = settings.hitch
-        self._reversed = ReversedHitchSensor(vehicle, sample_time)
+        self._simulated = SimulatedHitchAngle(vehicle, sample_time)
+        self._reversed = ReversedHitchSensor(sample_time)
         self._stuck = StuckHitchSensor(settings.hitch)
         count = max(round(_MEAN_TIME / sample_time), CONFIRMED)
         self._residuals = deque[tuple[float, float]](maxlen=count)
@@ -101,8 +103,9 @@ class FaultExclusion:
         moves = abs(record.measurement.speed) >= MOVES
         limit = _SHARE if self._antenna_contradicts(record, moves=moves) else 1.0
         contradicted = self._angles_share(moves=moves) > limit
-        contradicted |= self._reversed.update(record)
-        contradicted |= self._stuck.update(record.measurement.hitch_angle, record.estimate.hitch_angle, moves=moves)
+        measured, simulated = record.measurement.hitch_angle, self._simulated.update(record)
+        contradicted |= self._reversed.update(measured, simulated)
+        contradicted |= self._stuck.update(measured, record.estimate.hitch_angle, simulated, moves=moves)
         if not (engaged and self.excludes_trailer):
             self._trailer = CONFIRMED if contradicted else self._trailer + 1 if abs(hitch) > self._hitch_limit else 0
         self._moved = moved or (engaged and self._moved)

@@ -17,6 +17,7 @@ from drawbar.driving.fault_detection.mirrored_steering import MirroredSteering
 from drawbar.driving.fault_detection.notices import Notices
 from drawbar.driving.fault_detection.position_drift import PositionDrift
 from drawbar.driving.fault_detection.swapped_receivers import SwappedReceivers
+from drawbar.driving.fault_detection.wrong_yaw_rate import WrongYawRate
 from drawbar.messages import Fixes, GateState
 from drawbar.safety.causes import Cause
 from drawbar.signals import FixStatus, Measurement, StepRecord
@@ -36,6 +37,7 @@ class SensorFaults:
         self._mirrored = MirroredSteering(vehicle, sample_time)
         self._apart = AntennasApart(vehicle.masts, sample_time)
         self._distance = AntennaDistance(vehicle, sample_time)
+        self._yaw_rate = WrongYawRate(autopilot)
         self._notices = Notices(autopilot, has_trailer_receiver=configuration.has_trailer_receiver)
         self._gate: GateState | None = None
         self.dead_reckons = False
@@ -92,7 +94,7 @@ class SensorFaults:
         """
         before = self.exclusion.excludes_trailer
         self._jumped = engaged and (self._jumped or self._drift.has_jumped)
-        drifts = self._drifts(record)
+        drifts, yaw_rate_is_wrong = self._drifts(record), self._yaw_rate.update()
         self.exclusion.update(record, engaged=engaged, moved=drifts or self._jumped)
         if not engaged:
             self.dead_reckons = False
@@ -103,7 +105,7 @@ class SensorFaults:
             return self.exclusion.without_excluded
         if self.exclusion.excludes_trailer and not before:
             return self.exclusion.without_trailer if self.dead_reckons else self.exclusion.without_excluded
-        return None
+        return self._yaw_rate.excluded if yaw_rate_is_wrong else None
 
     def update_notices(self, record: StepRecord) -> None:
         """Update the notices with a step, once its samples have been computed again."""

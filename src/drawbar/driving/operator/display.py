@@ -17,6 +17,8 @@ BAD = (SupervisorState.FAULT, SupervisorState.ESTOP)
 """the states that have a colour, by how well it goes"""
 STANDS = 0.05
 """slower is standing, m/s"""
+_FIRST = 2_000_000_000
+"""after the gate's own test, within which the controller reports for the first time, ns"""
 _UNKNOWN_AWAY = {
     Cause.UNPROVED,
     Cause.POSITION_UNSURE,
@@ -102,12 +104,14 @@ def is_beside_line(state: GateState | None, controller: ControllerState | None) 
 def refusals(state: GateState, controller: ControllerState | None) -> list[Cause]:
     """Return what stands against engaging, without what follows from the rest.
 
-    Where the vehicle is to stand first, not that it stands; where the controller is silent, not what it alone reports,
-    nor without a receiver what follows from that; away from any line, as on a headland, not what only a controller
-    beside a line can know.
+    Nothing while the gate still tests itself. Where the vehicle is to stand first, not that it stands; where the
+    controller is silent, not what it alone reports, nor that it is before it can have reported; without a receiver not
+    what follows from that; away from any line, as on a headland, not what only a controller beside a line can know.
     """
+    if state.state in (SupervisorState.BOOT, SupervisorState.SELFTEST):
+        return []
     found = [BY_CODE[code] for code in state.refusals if code]
-    hidden = set()
+    hidden = {Cause.CONTROLLER_SILENT} if controller is None and state.time - state.since < _FIRST else set()
     if state.state in LATCHED or Cause.EMERGENCY_UNTRIED in found:
         hidden.add(Cause.TOO_SLOW)
     if state.state is SupervisorState.ENGAGING:  # which turns the wheels there
