@@ -81,7 +81,7 @@ static inline void screening_compare(struct screening *s, const double *measured
         .gate = s->lateral * deviation,
         .shift = s->shift * deviation,
         .release = s->release / s->shift,
-        .lasting = fmax(s->deviation * s->deviation - white * white, 0.0),
+        .correlated = fmax(s->deviation * s->deviation - white * white, 0.0),
         .widening = widening,
         .memory = s->memory,
     };

@@ -36,7 +36,7 @@ struct suspicion_limits {
     double gate;                           /* at which a single coordinate is clipped, m */
     double shift;                          /* least limit of the difference of the means, m */
     double release;                        /* share of the limit below which a suspicion ends (hysteresis) */
-    double lasting;                        /* prior variance of one coordinate's correlated error, m2 */
+    double correlated;                     /* prior variance of one coordinate's correlated error, m2 */
     double widening;                       /* of the gates, m */
     int32_t memory;                        /* samples to average over */
 };
@@ -59,7 +59,7 @@ static inline void suspicion_baseline(struct suspicion *suspicion)
 /* The difference of the means per its limit. */
 static inline double suspicion_excess(const struct suspicion *suspicion, const struct suspicion_limits *limits)
 {
-    const double prior[] = {2.0 * limits->lasting, 0.0};
+    const double prior[] = {2.0 * limits->correlated, 0.0};
     double excess[2];
 
     for (int i = 0; i < 2; ++i) {
