@@ -127,7 +127,7 @@ def test_a_closing_tag_in_the_data_cannot_end_the_script(make_run):
 
 def test_a_real_machine_shows_what_was_believed(make_run):
     page = render(make_run(truth=False, steps=50))
-    assert "the truth is not known" in page
+    assert "a drive does not know the true ones" in page
     assert "Estimated error, cm" in page
     assert "mean estimated error, tractor" in page
     assert "seed 0" not in page
@@ -142,7 +142,7 @@ def test_a_real_machine_shows_what_was_believed(make_run):
 
 def test_a_run_that_died_before_its_first_step_still_renders(make_run):
     page = render(make_run(steps=0))
-    assert "A real machine" not in page
+    assert "Estimated positions: a drive" not in page
     assert list(data_of(page)["figures"]) == [name for name in SECTIONS if name != "margin"]  # no step tells of a tube
     assert "nan" not in "".join(Elements(page).visible).lower()
 
