@@ -87,6 +87,21 @@ def test_an_interrupted_experiment_goes_on_from_its_finished_runs(
     assert "16 runs, 0 of them given up" in results(experiment)
 
 
+def test_a_quick_look_leaves_the_results_in_the_experiments_folder(
+    drawbar, on_cluster: None, write_experiment: Write, two_cases: str, tmp_path: Path
+) -> None:
+    experiment = write_experiment(two_cases)
+    folder = str(experiment.folder)
+    assert drawbar(folder, "--seeds", "2")[0] == 0
+    committed = results(experiment)
+    code, said = drawbar(folder, "--seeds", "1", "--out", str(tmp_path / "look"))
+    look = tmp_path / "look" / experiment.folder.name
+    assert code == 0, said
+    assert str(look / "results.md") in said
+    assert results(experiment) == committed
+    assert "2 runs, 0 of them given up" in (look / "results.md").read_text("utf-8")
+
+
 def test_a_worker_killed_on_a_cluster_loses_nothing(write_experiment: Write, two_cases: str, tmp_path: Path) -> None:
     experiment = write_experiment(two_cases + 'expected.slow."trailer all" = { at_most = 0.001 }')
     file = tmp_path / "scheduler.json"

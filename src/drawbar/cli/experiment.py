@@ -1,5 +1,6 @@
 """`drawbar experiment`: many seeds of every case, their tables and figures."""
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -14,10 +15,14 @@ def experiment(
         list[str] | None,
         typer.Option(metavar="TEXT", help="drive the cases whose names hold this only; may be repeated"),
     ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FOLDER", help="write the results to FOLDER/NAME; default: into the experiment's folder"),
+    ] = None,
     jobs: Jobs = None,
     cluster: Cluster = "",
 ) -> None:
-    """Drive every case of an experiment with many seeds, and write its tables and figures into its folder."""
+    """Drive every case of an experiment with many seeds, and write its tables and figures."""
     from drawbar.extras import require_extra
 
     require_extra("experiments", "drawbar experiment")
@@ -25,7 +30,7 @@ def experiment(
 
     one_cluster(jobs, cluster)
     try:
-        met = run_experiments(console, name, seeds=seeds, only=only or (), jobs=jobs, address=cluster)
+        met = run_experiments(console, name, seeds=seeds, only=only or (), out=out, jobs=jobs, address=cluster)
     except KeyboardInterrupt:
         console.print("\ninterrupted; the same command continues from the runs that are finished")
         raise SystemExit(130) from None

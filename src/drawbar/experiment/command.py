@@ -18,7 +18,14 @@ from drawbar.experiment.progress import RunsProgress
 
 
 def run_experiments(
-    console: Console, name: str, *, seeds: int | None, jobs: int | None, address: str, only: Sequence[str] = ()
+    console: Console,
+    name: str,
+    *,
+    seeds: int | None,
+    jobs: int | None,
+    address: str,
+    only: Sequence[str] = (),
+    out: Path | None = None,
 ) -> bool:
     """Run the experiment of this name, or `all`, and return whether everything came out as expected.
 
@@ -29,21 +36,25 @@ def run_experiments(
         jobs: processes on this machine; None: one per core.
         address: of a running Dask scheduler; empty: a cluster of this machine's own.
         only: cases whose names hold one of these texts; none: all.
+        out: folder for a folder of results of each experiment; None: into the experiments' own folders.
 
     Raises:
         DrawbarError: no such experiment, no such case, an impossible configuration, no cluster.
     """
     experiments = [load_experiment(folder).with_cases(only) for folder in find_experiments(name)]
     with open_cluster(address, jobs) as client:
-        outcomes = [_conduct(console, client, experiment, seeds) for experiment in experiments]
-    if any(experiment.folder.parent == FOLDER for experiment in experiments):
+        outcomes = [_conduct(console, client, experiment, seeds, out) for experiment in experiments]
+    if not out and any(experiment.folder.parent == FOLDER for experiment in experiments):
         write_report(FOLDER)
         console.print(f"{FOLDER / REPORT_NAME}")
     return not any(measured.misses() for measured in outcomes)
 
 
-def _conduct(console: Console, client: Client, experiment: Experiment, seeds: int | None) -> MeasuredExperiment:
-    """Run one experiment, leave its results in its folder, and print what was missed."""
+def _conduct(
+    console: Console, client: Client, experiment: Experiment, seeds: int | None, out: Path | None
+) -> MeasuredExperiment:
+    """Run one experiment, write its results, and print what was missed."""
+    folder = out / experiment.folder.name if out else experiment.folder
     analysis = load_analysis(experiment.folder)
     counts = {case: len(tasks) for case, tasks in experiment.tasks(seeds).items()}
     for case, reason in experiment.left_out.items():
@@ -59,8 +70,8 @@ def _conduct(console: Console, client: Client, experiment: Experiment, seeds: in
     if not runs:  # the results in the folder stay
         return measured
     with failures_told(experiment.folder):  # pictures are drawn as they are written
-        write_results(measured, _tables(console, analysis, measured))
-    _print_outcome(console, measured, experiment.folder / RESULTS_NAME)
+        write_results(measured, _tables(console, analysis, measured), folder)
+    _print_outcome(console, measured, folder / RESULTS_NAME)
     return measured
 
 

@@ -39,13 +39,16 @@ class Summary:
     """on which the runs were made, without its compiler, whose name is a path of that machine"""
 
 
-def write_results(measured: MeasuredExperiment, elements: Sequence[Element]) -> None:
-    """Write tables (CSV), pictures (SVG), results.md and the summary into the experiment's folder."""
-    folder = measured.experiment.folder
+def write_results(measured: MeasuredExperiment, elements: Sequence[Element], folder: Path | None = None) -> None:
+    """Write tables (CSV), pictures (SVG), results.md and the summary into a folder; None: the experiment's own."""
+    own = measured.experiment.folder
+    folder = folder or own
+    with writing(folder):
+        folder.mkdir(parents=True, exist_ok=True)
     for element in elements:
         element.write(folder)
     title = f"# {measured.experiment.settings.title}"
-    origin = f"Made by `drawbar experiment {folder.name}`{_compared(folder)}."
+    origin = f"Made by `drawbar experiment {own.name}`{_compared(folder)}."
     text = "\n\n".join([title, origin, *_sections(measured, elements)])
     with writing(file := folder / RESULTS_NAME):
         file.write_text(f"{text}\n", "utf-8")
