@@ -100,7 +100,7 @@ def _cluster(name: str) -> str:
     return f"\n**{name}**: {fields}\n"
 
 
-def _fields(name: str, prefix: str = "") -> list[str]:
+def _fields(name: str) -> list[str]:
     """Return a structure's elements with their types; inner structures are inner clusters."""
     text = PUBLIC.joinpath("drawbar_signals.h").read_text("utf-8")
     found = re.search(rf"^struct {name} {{\n(.*?)^}};", text, re.MULTILINE | re.DOTALL)

@@ -95,6 +95,7 @@ def _draw(figure: Figure, measured: MeasuredExperiment) -> None:
             color=TRACTOR if case.configuration else TRAILER,
         )
         label = re.sub("look-ahead |paper, ", "", case.name) if case.configuration else OWN_LOOK_AHEAD
-        axes.annotate(label, (error.mean, steering.mean), xytext=(6, 6), textcoords="offset points")
+        above = 6 if case.configuration else -14  # the long label lies below those of its neighbours
+        axes.annotate(label, (error.mean, steering.mean), xytext=(6, above), textcoords="offset points")
     axes.set(xlabel="error, cm", ylabel="steering, °/s")
     axes.margins(x=0.12)

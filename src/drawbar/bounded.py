@@ -22,7 +22,7 @@ class Draw(StrEnum):
 
 
 class GroundErrors(Settings):
-    """Bounds of what is added to the ground's effects, and that neither estimator nor truth knows of."""
+    """Bounds of what is added to the ground's effects, and that neither estimator nor truth contains."""
 
     longitudinal_slip: NonNegative = 0.0
     """of mu"""

@@ -71,7 +71,7 @@ class TuningSettings(Settings):
 
 
 def _kind(section: Any) -> str:
-    """Return which machine a section describes: the simulated one where it does not say."""
+    """Return which machine a section describes: the simulated one where it names none."""
     kind = section.get("kind", "simulated") if isinstance(section, dict) else getattr(section, "kind", "simulated")
     return str(kind)
 
@@ -95,7 +95,7 @@ class Configuration(Settings):
     """fastest change of the commanded speed during a run, m/s²; a run begins with the set speed"""
     vehicle: VehicleParameters = VehicleParameters()
     sensors: SensorNoise = SensorNoise()
-    """what the estimator believes of the sensors; the simulated ones are machine.sensors"""
+    """what the estimator assumes of the sensors; the simulated ones are machine.sensors"""
     estimator: Annotated[
         ArticulatedEstimatorSettings | TricycleEstimatorSettings | IdealEstimatorSettings,
         Field(discriminator="model"),
@@ -202,7 +202,7 @@ def load_configuration(source: str | os.PathLike[str], changes: Sequence[str] = 
     """Read a configuration file, or a shipped one by name, with changes applied.
 
     A file may start with `extends = "articulated"` (a shipped name, or a file beside it) and give only what differs;
-    an empty section, `tube = {}`, takes back all that the other says of it. A relative `path.file` is beside the file
+    an empty section, `tube = {}`, takes back all of it in the other. A relative `path.file` is beside the file
     that names it, one of the changes in the working directory; the configuration returned holds it as absolute.
 
     Args:
@@ -210,7 +210,7 @@ def load_configuration(source: str | os.PathLike[str], changes: Sequence[str] = 
         changes: texts `key.key=value`, the value in TOML (a bare word is taken as a string).
 
     Raises:
-        ConfigurationError: unreadable, not TOML, duplicate, unknown, missing or impossible key; says which and why.
+        ConfigurationError: unreadable, not TOML, duplicate, unknown, missing or impossible key; names which and why.
     """
     name = source if isinstance(source, str) else str(demand_path("source", source, ConfigurationError))
     _demand_changes(changes)
@@ -227,7 +227,7 @@ def recorded_configuration(text: str, changes: Sequence[str], origin: str) -> Co
         origin: what error messages call it.
 
     Raises:
-        ConfigurationError: this version of drawbar does not know it any more, or a change is wrong; says which and why.
+        ConfigurationError: this version of drawbar cannot read it, or a change is wrong; names which and why.
     """
     _demand_changes(changes)
     return _changed(_validated(tomllib.loads(text), origin), changes, origin)

@@ -13,7 +13,7 @@ from drawbar.errors import ConfigurationError
 from drawbar.misspelt import meant
 
 _TAGS = ("model", "kind")
-"""keys that say which one of several a section describes"""
+"""keys that select which one of several a section describes"""
 _LARGEST = 1_000_000
 """characters that a configuration file has at most"""
 
@@ -26,7 +26,7 @@ def resolved_table(source: str, extending: tuple[str, ...] = ()) -> tuple[dict[s
         extending: real paths of the files that extend this one.
 
     Raises:
-        ConfigurationError: unreadable, not TOML, or extends none that there is; says which and why.
+        ConfigurationError: unreadable, not TOML, or extends none that there is; names which and why.
     """
     text, origin = _read(source)
     try:
@@ -69,7 +69,7 @@ def _merged(basis: dict[str, Any], data: dict[str, Any]) -> dict[str, Any]:
 
 
 def _goes_on(old: Any, new: Any) -> bool:
-    """Return whether both are sections of the same model and the new one says anything."""
+    """Return whether both are sections of the same model and the new one holds anything."""
     both = isinstance(old, dict) and isinstance(new, dict) and new
     return bool(both) and all(new.get(tag) in (None, old.get(tag)) for tag in _TAGS)
 
@@ -109,7 +109,7 @@ def _read(source: str) -> tuple[str, str]:
 
 
 def _unknown(place: str, source: str) -> ConfigurationError:
-    """Return what says that nothing has this name; the place is where it was given."""
+    """Return the error that nothing has this name; the place is where it was given."""
     return ConfigurationError(
         f"{place}: is neither a file nor a shipped configuration{meant(source, shipped_names())}; "
         f"give a TOML file or one of: {', '.join(shipped_names())}."

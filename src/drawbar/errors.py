@@ -7,7 +7,7 @@ from reprlib import repr as short
 
 
 class DrawbarError(Exception):
-    """Base of every error a user is meant to read: says what was given, what is allowed and what to do."""
+    """Base of every error a user is meant to read: names what was given, what is allowed and what to do."""
 
 
 class ConfigurationError(DrawbarError):

@@ -132,7 +132,7 @@ def _c_array(name: str, array: Array, words: str) -> str:
 
 
 def _texts() -> str:
-    """Return the function that tells what a status means."""
+    """Return the function that returns the meaning of a status."""
     flags = [(f"DRAWBAR_{flag.name}", f"a new command; {flag.text}") for flag in Flag]
     statuses = [(f"DRAWBAR_{status.name}", status.text) for status in Status]
     cases = "".join(f'    case {name}:\n        return "{text}";\n' for name, text in (*statuses, *flags))

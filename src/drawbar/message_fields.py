@@ -11,7 +11,7 @@ class Cell:
     code: str
     """of `struct`, one letter, with a count before it for several numbers"""
     may_miss: bool = False
-    """NaN says that the value is not known; otherwise a record with NaN is refused, and with infinity always"""
+    """NaN: the value is not known; otherwise a record with NaN is refused, and with infinity always"""
 
 
 Byte = Annotated[int, Cell("B")]

@@ -84,7 +84,7 @@ class Action(IntEnum):
     SET_SPEED = 8
     """drive at `value`, m/s"""
     LINE = 9
-    """drive the line so many working widths to the left of the configured one as `value` says, a whole number; while
+    """drive the line so many working widths to the left of the configured one as `value`, a whole number; while
     the vehicle is not steered. Takes the lease"""
 
 
@@ -131,7 +131,7 @@ class CommandMessage(Message):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ControllerState(Message):
-    """What the supervisor needs to know of the controller; controller to gate, at every step."""
+    """State of the controller, for the supervisor; controller to gate, at every step."""
 
     configuration: Count
     """fingerprint of the safety settings that the controller was started with"""
@@ -144,7 +144,7 @@ class ControllerState(Message):
     status: Count
     """Status of statuses.py: how the last step ended"""
     flags: Count
-    """Flag of statuses.py: what there is to say of it"""
+    """Flag of statuses.py: remarks on it"""
     solved: Count
     """steps in a row up to now of which estimate and plans were solved"""
     overruns: Count
@@ -174,7 +174,7 @@ class ControllerState(Message):
     against: Byte = 0
     """1: it is driven against the configured line's direction"""
     notices: Codes = (0,) * 8
-    """codes of what there is to tell the operator of sensors; 0: no more"""
+    """codes of notices about sensors, for the operator; 0: no more"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -186,7 +186,7 @@ class GateState(Message):
     steers: Byte
     """1: the gate asks the actuators to steer"""
     engaged: Byte
-    """which actuators say that they do; 1 tractor, 2 trailer, 4 speed"""
+    """which actuators report that they steer or drive; 1 tractor, 2 trailer, 4 speed"""
     stop: Byte
     """1: the vehicle is asked to stop; 2: as fast as possible. Without a speed actuator: the driver is to stop it"""
     armed: Byte
@@ -260,15 +260,15 @@ class Heartbeat(Message):
     healthy: Byte
     """1: it does all that it is there for; the recorder: what it writes reaches the disk"""
     state: Annotated[SupervisorState, Cell("B")]
-    """of the gate as this process knows it"""
+    """of the gate, as this process received it last"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Fixes(Message):
-    """What the receivers of both bodies say of one instant; receivers to controller, one for each epoch.
+    """What the receivers of both bodies report for one instant; receivers to controller, one for each epoch.
 
-    Positions are those of the antennas, in the frame of the path. A receiver that says nothing has no fix, and NaN.
-    Where none says anything, the sensor board's reports come by themselves.
+    Positions are those of the antennas, in the frame of the path. A receiver that reports nothing has no fix, and NaN.
+    Where none reports anything, the sensor board's reports come by themselves.
     """
 
     epoch: Time
@@ -284,7 +284,7 @@ class Fixes(Message):
     wheel_speed_time: Time
     """when it was measured, ns; 0: never"""
     tractor_heard: Byte = 1
-    """0: its receiver says nothing of this instant"""
+    """0: its receiver reports nothing for this instant"""
     tractor_x: Known
     """east, m"""
     tractor_y: Known
@@ -312,7 +312,7 @@ class Fixes(Message):
     tractor_satellites: Byte = 0
     """in use; 0: not known"""
     trailer_heard: Byte = 1
-    """0: its receiver says nothing of this instant, or there is none"""
+    """0: its receiver reports nothing for this instant, or there is none"""
     trailer_x: Known
     """east, m"""
     trailer_y: Known

@@ -1,6 +1,6 @@
 """Real-time habits of every process that drives: memory locked, scheduled first, no garbage collector, watchdog fed.
 
-Each of them may be forbidden to a user or missing from a system; then the process runs on, and says so once. Linux;
+Each of them may be forbidden to a user or missing from a system; then the process runs on, and prints that once. Linux;
 elsewhere the collector alone is stopped. Without numpy.
 """
 
@@ -89,7 +89,7 @@ def prefer(niceness: int) -> str:
 
 
 def step_back_when_busy(longest: float, why: str) -> None:
-    """Have this process scheduled as any other from when it has been busy for a time (s) without waiting, and say so.
+    """Have this process scheduled as any other, and print that, once it has been busy for a time (s) without waiting.
 
     For a process that can be flooded from outside: scheduled first, it would starve all others.
     """
@@ -107,7 +107,7 @@ def step_back_when_busy(longest: float, why: str) -> None:
 
 
 def suspended_time() -> float:
-    """Return for how long this computer has been suspended since it started, s; 0 where the system does not say."""
+    """Return for how long this computer has been suspended since it started, s; 0 where the system gives no time."""
     if not hasattr(time, "CLOCK_BOOTTIME"):
         return 0.0
     for _ in range(ATTEMPTS):
@@ -120,13 +120,13 @@ def suspended_time() -> float:
 
 
 def say(text: str) -> None:
-    """Say something on standard error, which a drive keeps in a file: that its disk is full ends no process."""
+    """Print on standard error, which a drive keeps in a file: that its disk is full ends no process."""
     with suppress(OSError):
         os.write(sys.stderr.fileno(), f"{text}\n".encode())  # what a buffer kept would fail again at the end
 
 
 class Notifier:
-    """Tells the service manager how this process is, by the datagrams of sd_notify(3); silent where there is none."""
+    """Reports the state of this process to the service manager, if there is one, by datagrams of sd_notify(3)."""
 
     def __init__(self) -> None:
         """Read NOTIFY_SOCKET and WATCHDOG_USEC."""

@@ -90,7 +90,7 @@ def replay(log: RunLog, changes: Sequence[str] = ()) -> Replay:
 
 
 def _unbroken(log: RunLog) -> tuple[StepRecord, ...]:
-    """Return the steps before the first that is lost: behind it nobody knows what the autopilot remembered.
+    """Return the steps before the first that is lost: behind it the autopilot's state is unknown.
 
     Raises DrawbarError: the first step is lost.
     """

@@ -23,10 +23,12 @@ class Settings(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _only_known_keys(cls, data: Any) -> Any:
-        """Refuse unknown keys before `extra` does, to say which ones there are; former ones get their present name."""
+        """Rename former keys, in the data themselves; before `extra` does, refuse unknown ones and name the known."""
         if not isinstance(data, dict):
             return data
-        data = {cls.former_keys.get(key, key): value for key, value in data.items()}
+        for former, present in cls.former_keys.items():
+            if former in data:
+                data[present] = data.pop(former)
         unknown = [key for key in data if key not in cls.model_fields]
         if unknown:
             named = ", ".join(f"{key}{meant(key, cls.model_fields)}" for key in unknown)

@@ -41,7 +41,7 @@ class Layout:
             raise self._refusal(signal, error) from error
 
     def _refusal(self, signal: Any, error: Exception) -> SignalError:
-        """Return what says which values are no numbers."""
+        """Return what finds the values that are no numbers."""
         if not isinstance(signal, self.kind):
             return SignalError(f"a drawbar {self.kind.__name__} is needed, got {short(signal)}.")
         given = zip(_leaves(self.kind), self._values(signal), strict=True)

@@ -48,7 +48,7 @@ struct drawbar_body_steering {
     int32_t reserved;
 };
 
-/* What only a simulation knows. */
+/* The truth, which only a simulation has. */
 struct drawbar_truth {
     double time;                        /* s */
     struct drawbar_pose tractor;

@@ -52,7 +52,7 @@ def drive(
 ) -> Iterator[StepRecord]:
     """Yield the record of every step until the tractor reaches the end of the path.
 
-    The last thing that the machine is told is to stop, whatever ends the loop, SIGTERM included (it raises SystemExit,
+    The last call of the machine is to stop, whatever ends the loop, SIGTERM included (it raises SystemExit,
     unless the program handles it); close the iterator where it may be left early.
 
     Args:
@@ -199,7 +199,7 @@ class Simulation:
 
 
 def simulate(configuration: Configuration, seed: int = 0) -> RunLog:
-    """Drive a whole run in simulation and return its log; a run that was given up says so in its outcome.
+    """Drive a whole run in simulation and return its log; the outcome of an aborted run gives the reason.
 
     Args:
         configuration: of the run.
@@ -246,7 +246,7 @@ def _shaped_path(configuration: Configuration) -> "tuple[Path, DrivablePath | No
 
 
 def build_machine(configuration: Configuration, path: Path, seed: int) -> SampledMachine:
-    """Return the machine that the configuration asks for, standing where its start says.
+    """Return the machine that the configuration asks for, standing at the configured start.
 
     Raises ConfigurationError when it cannot be built, or needs what is not installed.
     """

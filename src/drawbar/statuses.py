@@ -74,7 +74,7 @@ class Status(IntEnum):
 
 
 class Flag(IntFlag):
-    """What there is to say of a step that made a new command; each flag carries its text."""
+    """Remarks on a step that made a new command; each flag carries its text."""
 
     text: str
 
@@ -97,7 +97,7 @@ class FixQuality(IntEnum):
     """How a receiver found a position."""
 
     UNKNOWN = 0
-    """the receiver does not say"""
+    """the receiver does not report it"""
     NONE = 1
     SINGLE = 2
     """without corrections"""

@@ -72,12 +72,19 @@ class FittedTable:
     def _part(self, group: Sequence[int], width: int) -> Table:
         table = Table(box=None, pad_edge=False, padding=(0, _GAP // 2), title_justify="left")
         table.add_column(self._title, min_width=width, max_width=width, overflow="fold")
-        for index in group:
-            name, style = self._columns[index]
+        columns = [self._columns[index] for index in group]
+        for name, (_, style) in zip(_unrepeated([name for name, _ in columns]), columns, strict=True):
             table.add_column(name, justify="right", header_style=style, min_width=self._column_width, no_wrap=True)
         for name, cells in self._rows:
             table.add_row(name, *(cells[index] for index in group))
         return table
+
+
+def _unrepeated(headings: Sequence[str]) -> list[str]:
+    """Return headings of two lines with the first one left empty where it is that of the column before."""
+    parts = [heading.rpartition("\n") for heading in headings]
+    before = ["", *(first for first, _, _ in parts)]
+    return ["".join(part if part[0] != last else part[1:]) for part, last in zip(parts, before, strict=False)]
 
 
 def _groups(widths: Sequence[int], room: int) -> list[range]:
@@ -107,7 +114,7 @@ class Output(Console):
     """Standard output, or standard error; where nobody reads it any more, the command continues without."""
 
     def __init__(self, **options: Any) -> None:
-        """Forget `COLUMNS=0`, which some programs say before they know: nothing at all would be printed."""
+        """Remove `COLUMNS=0`, which some programs set before the width is known: nothing at all would be printed."""
         if not os.environ.get("COLUMNS", "").strip("0"):
             os.environ.pop("COLUMNS", None)
         super().__init__(**options)

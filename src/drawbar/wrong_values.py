@@ -1,4 +1,4 @@
-"""Wrong values: what pydantic finds in a configuration, told to its user by key, value and what is allowed."""
+"""Wrong values: what pydantic finds in a configuration, shown by key, value and what is allowed."""
 
 import reprlib
 from typing import Any
@@ -36,7 +36,7 @@ def _line(problem: Any, data: dict[str, Any], root: str) -> str:
         if "expected_tags" in context:  # "external" is what a class of one's own becomes
             context["expected_tags"] = context["expected_tags"].replace("'external'", "MODULE:CLASS of your own")
     reason = _REASONS[kind].format(**context) if kind in _REASONS else message
-    # a whole section is not shown: its message says what is wrong in it
+    # a whole section is not shown: its message names what is wrong in it
     whole = isinstance(problem["input"], dict) and kind in (*_REASONS, "value_error")
     given = "" if whole else f" = {reprlib.repr(problem['input'])}"
     return f"  {key or root}{given}: {reason.removesuffix('.')}."
@@ -52,14 +52,9 @@ def _key(problem: Any, data: Any) -> str:
         if (isinstance(data, dict) and part in data) or _is_place(part, data):
             data = data[part]
             parts.append(part)
-    if problem["type"] == "missing" or _is_renamed(problem, data):
+    if problem["type"] == "missing":
         parts.append(problem["loc"][-1])
     return ".".join(map(str, parts))
-
-
-def _is_renamed(problem: Any, data: Any) -> bool:
-    """Whether the data hold what was given by a former name of its key (Settings.former_keys)."""
-    return isinstance(data, dict) and any(value is problem["input"] for value in data.values())
 
 
 def _is_place(part: Any, data: Any) -> bool:

@@ -76,6 +76,14 @@ def test_a_log_for_ros_tells_what_it_lacks(without) -> None:
         _writer("--ros2")
 
 
+def test_what_an_export_lacks_is_told_before_the_log_is_read(drawbar: Drawbar, without, tmp_path: Path) -> None:
+    (tmp_path / "log.mcap").touch()
+    without("mcap-ros2-support")
+    code, said = drawbar("log", "export", "log.mcap", "--csv", "a.csv", "--ros2", "b.mcap")
+    assert code == 2
+    assert "--ros2 needs what is not installed here (mcap-ros2-support)" in said
+
+
 def test_what_is_installed_is_not_missed() -> None:
     for extra in ("console", "experiments", "machine", "physics"):
         assert extras.require_extra(extra, "nobody") is None

@@ -51,5 +51,7 @@ def test_unknown_names_are_errors() -> None:
     workspace = Workspace(build("views", UNIT))
     with pytest.raises(SolverError, match="There is no array 'velocity'; there are grid, counts, last"):
         workspace.array("velocity")
+    with pytest.raises(SolverError, match="There is no array 'velocity'"):
+        workspace.write({"velocity": 1.0})
     with pytest.raises(AttributeError):
         workspace.function("stop")

@@ -138,7 +138,15 @@ def test_files_that_extend_each_other_are_refused(tmp_path: Path, base: str) -> 
     assert "none that extends this one" in refusal(str(tmp_path / "one.toml"))
 
 
-def test_a_wrong_value_of_a_former_key_is_shown_under_the_present_one(tmp_path: Path) -> None:
-    (file := tmp_path / "old.toml").write_text('extends = "articulated"\n[actuation]\nodd = -1.0\n')
-    with pytest.raises(ConfigurationError, match=re.escape("actuation.residual = -1.0: must be greater than 0")):
+@pytest.mark.parametrize(
+    ("given", "shown"),
+    [
+        ("[actuation]\nodd = -1.0", "actuation.residual = -1.0: must be greater than 0"),
+        ("[sensors.fixes]\noptimism = 0.5", "sensors.fixes.inflation = 0.5: must be greater than or equal to 1"),
+        ("[tube.work]\nspeed = [0.0, 1.0]", "tube.operating_range.speed.0 = 0.0: must be greater than 0"),
+    ],
+)
+def test_a_wrong_value_of_a_former_key_is_shown_under_the_present_one(tmp_path: Path, given: str, shown: str) -> None:
+    (file := tmp_path / "old.toml").write_text(f'extends = "articulated"\n{given}\n')
+    with pytest.raises(ConfigurationError, match=re.escape(shown)):
         load_configuration(str(file))

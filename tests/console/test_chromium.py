@@ -1,115 +1,18 @@
 """The console in a real browser, in front of a real drive of stand-ins: engage, stop, and nothing from elsewhere.
 
-One drive and one browser serve all tests. They wait for what is to be seen, and press again what was refused, as
-people do: on a busy computer pictures are late, and what was seen too long ago is no ground to ask for anything.
+One drive and one browser serve all tests.
 """
 
-import os
 import re
-import signal
-import subprocess
-import sys
-import time
-import urllib.request
-from contextlib import suppress
 
 import pytest
-from chromium import open_chromium
-from console_process import console_process, free_port, reaches, until
-from patience import PATIENT
+from console_browser import new_page, press, press_until, see, word
+from console_process import console_process, reaches, until
 
 from drawbar.console import screenshots
-from drawbar.console.screenshots import word
 
 pytest.importorskip("nicegui", reason="the extra `console` is not installed")
 pytest.importorskip("shapefile", reason="the extra `console` is not installed")
-
-WAIT = 300.0
-"""until something is seen, s; what never comes is ended by this, and by the test's own limit"""
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with open_chromium() as opened:
-        yield opened
-
-
-@pytest.fixture(scope="module")
-def drive(browser, tmp_path_factory):
-    """Return the address of the console of a drive that is on; none without a browser."""
-    folder, port = tmp_path_factory.mktemp("drive"), free_port()
-    surroundings = {key: value for key, value in os.environ.items() if not key.startswith(("PYTEST", "NICEGUI"))}
-    arguments = ["drive", "--console", "--port", str(port), "--out", str(folder / "run")]
-    changes = [word for change in PATIENT for word in ("--set", change)]
-    address = f"http://127.0.0.1:{port}/"
-    with (folder / "out").open("wb") as out:
-        command = [sys.executable, "-m", "drawbar", *arguments, *changes]
-        process = subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT, env=surroundings, cwd=folder)
-    try:
-        _await_page(address, process, folder / "out")
-        yield address
-    finally:
-        process.send_signal(signal.SIGTERM)  # SIGINT is ignored by children of a shell's background job
-        try:
-            process.wait(WAIT)  # it ends its processes in order, and writes the report
-        finally:
-            process.kill()
-
-
-def _await_page(address, process, out):
-    """Wait for the page as long as the drive is on: it may have to compile first."""
-    end = time.monotonic() + WAIT
-    while time.monotonic() < end:
-        assert process.poll() is None, out.read_text()
-        with suppress(OSError):
-            urllib.request.urlopen(address, timeout=WAIT).close()
-            return
-        time.sleep(0.2)
-    raise AssertionError(out.read_text())
-
-
-@pytest.fixture(scope="module")
-def visitor(browser):
-    """Return what opens pages of one visitor, who keeps control from test to test."""
-    context = _visitor(browser)
-    yield context
-    context.close()
-
-
-@pytest.fixture
-def somebody_else(browser):
-    """Return what opens pages of another visitor."""
-    context = _visitor(browser)
-    yield context
-    context.close()
-
-
-def _visitor(browser):
-    context = browser.new_context(viewport={"width": 360, "height": 740}, locale="en-GB")
-    context.set_default_timeout(1e3 * WAIT)
-    context.route(lambda url: not url.startswith(("http://127.0.0.1:", "data:")), lambda route: route.abort())
-    return context
-
-
-@pytest.fixture
-def page(visitor):
-    opened = _page(visitor)
-    yield opened
-    opened.close()
-
-
-def _page(visitor):
-    """Return a page that reaches nothing but this computer.
-
-    `asked` holds what it asked for, `troubles` what went wrong in it.
-    """
-    page = visitor.new_page()
-    page.asked, page.troubles = [], []
-    page.on("request", lambda request: page.asked.append(request.url))
-    page.on("websocket", lambda line: page.asked.append(line.url.replace("ws://", "http://")))
-    page.on("pageerror", lambda error: page.troubles.append(str(error)))
-    return page
-
 
 _COLOUR = "(each) => {{ each.className = 'bar {}'; return getComputedStyle(each).backgroundColor; }}"
 GREEN_BAR, IDLE = _COLOUR.format("tone-good"), _COLOUR.format("tone-idle")
@@ -119,18 +22,6 @@ AT_STOP = """(() => {
   return stop.contains(document.elementFromPoint((left + right) / 2, (top + bottom) / 2));
 })()"""
 """whoever presses where STOP is presses it"""
-
-
-def see(page, seen):
-    word(page, seen).wait_for()
-
-
-def press(page, name):
-    page.get_by_role("button", name=name, exact=True).click()
-
-
-def press_until(page, seen, *names):
-    screenshots.press_until(page, seen, *names, wait=1e3 * WAIT)
 
 
 def look_at_the_other_pages(drive, page):
@@ -218,63 +109,6 @@ def test_it_engages_and_stops_and_loads_nothing_from_elsewhere(drive, page):
     assert page.troubles == []
 
 
-WITH_MANY_MESSAGES = """() => {
-  const [map, list, stop] = [".map", ".why", ".stop"].map((each) => document.querySelector(each));
-  const sentence = "<li><b>The receivers have no RTK fix for long enough</b><span>Wait under open sky</span></li>";
-  list.querySelector("ol").innerHTML = sentence.repeat(8);
-  const sizes = () => [map.offsetHeight, list.offsetHeight, stop.getBoundingClientRect().bottom];
-  return [sizes(), (list.focus(), sizes())];
-}"""
-"""heights of map and list, and where STOP ends, before and while the list has the focus"""
-
-
-def open_on_phone(drive, page, height):
-    page.set_viewport_size({"width": 360, "height": height})
-    page.goto(drive)
-    for each in (".why li", ".chips li"):
-        page.locator(each).first.wait_for()
-
-
-@pytest.mark.parametrize("height", [640, 740])
-def test_many_messages_leave_room_for_the_map_and_the_stops(drive, page, height):
-    open_on_phone(drive, page, height)
-    (map_height, short, bottom), (_, whole, bottom_below_whole) = page.evaluate(WITH_MANY_MESSAGES)
-    assert map_height >= 180 or short == 52
-    assert whole > short
-    assert bottom == bottom_below_whole <= height
-
-
-@pytest.mark.parametrize("height", [581, 632])
-def test_whatever_stands_above_them_no_stop_is_cut_off_on_a_low_phone(drive, page, height):
-    open_on_phone(drive, page, height)
-    page.evaluate("document.querySelector('.lease').style.minHeight = '200px'")
-    bottoms = "(all) => all.map((each) => each.getBoundingClientRect().bottom)"
-    assert max(page.locator(".stops button").evaluate_all(bottoms)) <= height
-
-
-TITLE_BEFORE_STOP = """() => {
-  const words = document.createRange();
-  words.selectNodeContents(document.querySelector(".page-bar .word"));
-  return document.querySelector(".bar-stop").getBoundingClientRect().left - words.getBoundingClientRect().right;
-}"""
-"""px between the title and STOP"""
-
-
-@pytest.mark.parametrize("language", ["en", "de"])
-def test_on_the_narrowest_phone_no_word_reaches_stop_or_leaves_its_button(drive, somebody_else, language):
-    page = _page(somebody_else)
-    page.set_viewport_size({"width": 320, "height": 568})
-    page.goto(f"{drive}language/{language}")
-    page.locator(".why li").first.wait_for()
-    too_wide = "(all) => all.filter((each) => each.scrollWidth > each.clientWidth).map((each) => each.innerText)"
-    assert page.locator(".stops button").evaluate_all(too_wide) == []
-    for name in ("fields", "setup", "runs", "inside"):
-        page.goto(drive + name)
-        page.locator(".page-bar .word").wait_for()
-        assert page.evaluate(TITLE_BEFORE_STOP) > 0, name
-        assert page.evaluate("document.documentElement.scrollWidth") <= 320, name
-
-
 def test_signals_are_plotted_by_their_words_with_their_names_beside(drive, page):
     page.goto(f"{drive}inside")
     page.wait_for_function("[...plots.values()].some(({ rows }) => rows.length > 3)")
@@ -324,7 +158,7 @@ def test_a_wrong_file_is_refused_with_what_to_do(drive, page):
 
 
 def test_a_page_that_is_cut_off_says_that_its_picture_is_old(drive, somebody_else):
-    page = _page(somebody_else)
+    page = new_page(somebody_else)
     page.goto(drive)
     page.locator("body:not(.old-picture)").wait_for()
     page.context.set_offline(True)
@@ -357,7 +191,7 @@ def test_pictures_that_waited_for_a_frozen_browser_are_old(drive, page):
 
 
 def test_a_page_is_loaded_again_once_its_console_was_started_again(somebody_else, tmp_path):
-    page = _page(somebody_else)
+    page = new_page(somebody_else)
     with console_process(tmp_path) as (_, _, port):
         until(lambda: reaches("127.0.0.1", port))
         page.goto(f"http://127.0.0.1:{port}/")
@@ -369,14 +203,14 @@ def test_a_page_is_loaded_again_once_its_console_was_started_again(somebody_else
 
 
 def test_a_lost_connection_is_reported_in_german_too(drive, somebody_else):
-    page = _page(somebody_else)
+    page = new_page(somebody_else)
     page.goto(f"{drive}language/de")
     page.goto(f"{drive}fields")
     assert "Verbindung verloren" in page.locator("#popup").text_content()
 
 
 def test_one_of_two_browsers_has_control_and_the_other_sees_who_and_is_refused(drive, page, somebody_else):
-    other = _page(somebody_else)
+    other = new_page(somebody_else)
     for each in (page, other):
         each.goto(drive)
         each.locator("body:not(.old-picture)").wait_for()

@@ -74,6 +74,10 @@ def test_two_runs_are_compared_by_their_figures(runs):
     assert "Largest error, Trailer (cm)" in shown
     for metrics in (first, second):
         assert f"{100.0 * metrics['error_m']['trailer']['all']['max']:.1f}" in shown
+    a, b = (value_of(next(each for each in FIGURES if each.text == "error_max"), each) for each in (first, second))
+    assert {f"{b - a:+.1f}".replace("-", "−"), f"{a - b:+.1f}".replace("-", "−")} & set(shown.split()), (
+        "a signed difference"
+    )
     by_path = {figure.path: value_of(figure, first) for figure in FIGURES}
     assert by_path["length_m"] == first["length_m"]
     assert not any(np.isnan(value) for value in by_path.values())

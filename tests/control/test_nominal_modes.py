@@ -32,7 +32,10 @@ TRAILER = {"articulation": -0.3, "disturbances": {"trailer_crab": 0.02}}
 
 def tubes(nominal, settings=PRODUCT, tractor=TRACTOR, trailer=TRAILER):
     tube = TubeSettings(
-        nominal=nominal, tractor=BodyTubeSettings(**tractor), trailer=BodyTubeSettings(**trailer), work=NARROW
+        nominal=nominal,
+        tractor=BodyTubeSettings(**tractor),
+        trailer=BodyTubeSettings(**trailer),
+        operating_range=NARROW,
     )
     return tubes_of(VEHICLE, settings, tube, speed=1.0, sample_time=SAMPLE_TIME)
 

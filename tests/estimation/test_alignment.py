@@ -309,7 +309,7 @@ def test_a_run_begins_on_the_ground(forward: float) -> None:
     ],
 )
 def test_fixes_count_by_what_they_are(quality: FixQuality, told: float, expected: float) -> None:
-    sensors = SensorNoise(fixes=FixSettings(lasting=2.0))
+    sensors = SensorNoise(fixes=FixSettings(correlation_inflation=2.0))
     given = measurement(0.0, (1.0, 0.0, -1.0, 0.0), tractor_fix_quality=quality, tractor_fix_deviation=told)
     aligned = Alignment(VehicleParameters(), sensors).apply(given, straight(0.0), straight(0.0))
     assert aligned.tractor_fix_deviation == pytest.approx(expected, nan_ok=True)

@@ -159,7 +159,7 @@ def test_tables_that_need_a_case_that_was_not_chosen_give_way_to_the_means(
     (experiment.folder / "analysis.py").write_text(analysis, "utf-8")
     code, said = drawbar(str(experiment.folder), "--seeds", "1", "--only", "slow")
     assert code == 0, said
-    assert "small: no result of articulated: means, not its own tables" in said
+    assert "no result of articulated: a table of means is written in place of the" in said
     assert "| slow | 1/1 |" in results(experiment)
 
 

@@ -253,6 +253,8 @@ def test_a_case_that_is_left_out_is_reported_and_missed_by_nobody(write_experime
 def test_own_functions_take_the_place_of_the_defaults(measured: MeasuredExperiment, short_result) -> None:
     folder = measured.experiment.folder
     assert load_analysis(folder).figures(short_result) == error_figures(short_result.metrics)
+    (means,) = load_analysis(folder).report(measured)
+    assert ", cm: " in means.markdown(), "a table of lengths has a unit"
     (folder / "analysis.py").write_text("LIMIT = 3.0\ndef figures(result):\n    return {'limit': LIMIT}\n", "utf-8")
     analysis = load_analysis(folder)
     assert analysis.figures(short_result) == {"limit": 3.0}

@@ -31,3 +31,13 @@ def test_the_map_has_equal_scales_and_north_up(run):
 def test_runs_without_truth_or_steps_have_a_picture(make_run):
     for log in (make_run(steps=0), make_run(truth=False, steps=20)):
         assert "nan" not in render_picture(log, true_path_errors(log))
+
+
+def test_the_map_has_a_bar_of_so_many_metres(run):
+    svg = render_picture(run, true_path_errors(run))
+    line, path = coordinates(svg)[0], run.header.path
+    root = ElementTree.fromstring(svg)
+    texts = [each.text for each in root.iter("{http://www.w3.org/2000/svg}text")]
+    metres = float(next(text for text in texts if text.endswith(" m") and text != "0 m").removesuffix(" m"))
+    lengths = [np.ptp(points[:, 0]) for points in coordinates(svg) if len(points) == 2 and not np.ptp(points[:, 1])]
+    np.testing.assert_allclose(lengths[0], metres * np.ptp(line[:, 0]) / np.ptp(path.x), atol=0.2)

@@ -77,7 +77,7 @@ class Driven:
     load: float = 0.0
     """of one core, by all processes"""
     states: Sequence[SupervisorState] = ()
-    """that were told, each once in a row"""
+    """that were shown, each once in a row"""
 
     @property
     def delay(self) -> float:

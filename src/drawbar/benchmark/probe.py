@@ -30,7 +30,7 @@ class Probe:
     """Times of one solver, step by step, s. Phases between two feedbacks belong to the first of them."""
 
     def __init__(self, name: str, library: StepLibrary, component: Component, *, with_peers: bool) -> None:
-        """Let the component's solver tell of its phases.
+        """Let the component's solver report its phases.
 
         Args:
             name: of the problem, e.g. `paper-tractor`.

@@ -39,7 +39,7 @@ def start_up() -> dict[str, float]:
 def _spent(program: str) -> tuple[float, float]:
     """Return how long a new process takes to the end of a program; the first one fills the caches.
 
-    Byte code is kept, as it is where drawbar is installed, whatever the surroundings say.
+    Byte code is kept, as it is where drawbar is installed, whatever the environment variables are.
     """
     with tempfile.TemporaryDirectory() as folder:
         kept = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}

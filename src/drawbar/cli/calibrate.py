@@ -23,7 +23,7 @@ _NOTED_LATENCY = 0.02
 _SHORTEST = 10.0
 """drive that shows anything, s"""
 _FAR = 0.1
-"""share of a drive too far from the line, from which on it is told"""
+"""share of a drive too far from the line, from which on it is reported"""
 WIDE = ("--set guidance.maximum_start_distance=900", "--set sanity.lost=1000")
 """with which a drive by hand estimates far from its line, too"""
 
@@ -39,7 +39,7 @@ def calibrate(
 
     What is found is written beside FILE, as NAME.calibrated.toml, which extends it: drive with that file. Nothing is
     moved but with --push, which finds direction, dead bands, rates and the sensor's scale of a valve or motor without
-    a loop of its own. docs/calibration.md says what to drive.
+    a loop of its own. docs/calibration.md describes what to drive.
     """
     from drawbar.config import load_configuration
 

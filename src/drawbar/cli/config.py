@@ -1,4 +1,4 @@
-"""`drawbar config` and `drawbar events`: what a configuration may say."""
+"""`drawbar config` and `drawbar events`: what a configuration may hold."""
 
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Annotated

@@ -30,7 +30,7 @@ def check(
         bool, typer.Option("--store", help="write devices.*_board.memory to AgOpenGPS boards first; asks twice before")
     ] = False,
 ) -> None:
-    """Listen to every device that the configuration names, and say what is missing. Without --wiggle nothing is moved.
+    """Listen to every configured device, and print what is missing. Without --wiggle nothing is moved.
 
     The wiggle test tries sign, range and delay of both steerings while the vehicle rolls straight ahead; without it
     `drawbar drive` does not engage. It holds until the computer restarts, for 12 hours at most.

@@ -264,7 +264,7 @@ def _drive(processes: "DriveProcesses", interrupts: "Interrupts", *, demonstrate
     except KeyboardInterrupt:
         console.print("interrupted: the gate releases the steering")
     except OSError:
-        if not leave_a_terminal_that_is_gone():  # if it is, it was written to before its signal was heard
+        if not leave_a_terminal_that_is_gone():  # if it is, it was written to before its signal arrived
             raise
     finally:
         front.close()

@@ -48,12 +48,13 @@ def export(
     for (first, one), (second, other) in combinations(targets, 2):
         if one.absolute() == other.absolute():
             raise DrawbarError(f"{first} {one} and {second} {other}: are one file; give each its own.")
+    writers = [(target, _writer(option)) for option, target in targets]
     content = read_log(file)
     for loss in content.losses:
         warnings.print(f"{file}: {loss}", style="bold yellow", soft_wrap=True)
-    for option, target in targets:
+    for target, write in writers:
         try:
-            write_whole(target, partial(_writer(option), content))
+            write_whole(target, partial(write, content))
         except BrokenPipeError:
             continue  # its reader, such as head, has what it wanted
         except OSError as error:

@@ -78,7 +78,7 @@ def main() -> None:
         try:
             app(prog_name="drawbar")
         finally:
-            sys.stdout.flush()  # what cannot be written is told here, not when Python ends
+            sys.stdout.flush()  # what cannot be written is reported here, not when Python ends
     except DrawbarError as error:
         _show(str(error))
         sys.exit(2)

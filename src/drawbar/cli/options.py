@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 console = Output(highlight=False, markup=False)  # names of files and lines may hold brackets
 warnings = Output(stderr=True, highlight=False, markup=False)
-"""standard error: what is said beside a result that another program may read"""
+"""standard error: what is printed beside a result that another program may read"""
 
 ConfigurationName = Annotated[
     str, typer.Argument(metavar="CONFIG", help=f"TOML file or shipped name: {', '.join(shipped_names())}")

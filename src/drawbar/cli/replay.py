@@ -1,4 +1,4 @@
-"""`drawbar replay`: recompute a recorded run, and tell where it differs."""
+"""`drawbar replay`: recompute a recorded run, and show where it differs."""
 
 from typing import TYPE_CHECKING, Annotated
 

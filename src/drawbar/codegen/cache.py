@@ -24,13 +24,13 @@ from drawbar.errors import CompilerError
 _SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 
 Observer = Callable[[int, int], None]
-"""is told how many units of how many are compiled, first that none is"""
+"""is called with how many units of how many are compiled, first that none is"""
 _OBSERVER: ContextVar[Observer] = ContextVar("observer", default=lambda done, total: None)
 
 
 @contextmanager
 def watch_compilation(observer: Observer) -> Iterator[None]:
-    """Tell an observer of all that is compiled within the context: only libraries of several units have steps."""
+    """Report all that is compiled to an observer within the context: only libraries of several units have steps."""
     token = _OBSERVER.set(observer)
     try:
         yield
@@ -111,7 +111,7 @@ def own_cache_folder() -> Path:
 
 @contextmanager
 def _kept_in(folder: Path) -> Iterator[None]:
-    """Say of an error of the file system that the folder cannot keep what is compiled."""
+    """Turn an error of the file system into one that the folder cannot keep what is compiled."""
     try:
         yield
     except OSError as error:

@@ -13,7 +13,7 @@ from drawbar.errors import CompilerError
 
 
 def note_of(library: Path) -> Path:
-    """Return the file that says what a library must be."""
+    """Return the file that holds a library's checksum."""
     return library.with_name(library.name + ".sha256")
 
 

@@ -32,7 +32,7 @@ def find_compiler() -> tuple[str, ...]:
     """Return the command that compiles C, as arguments.
 
     Raises:
-        CompilerError: nothing was found; says how to install a compiler with pip.
+        CompilerError: nothing was found; explains how to install a compiler with pip.
     """
     chosen = os.environ.get("CC", "").strip()
     if chosen:

@@ -1,4 +1,4 @@
-/* Hosted unit, the end of a unit of Python's own library: tells Python where the component's fields are, and lets it
+/* Hosted unit, the end of a unit of Python's own library: gives Python the places of the component's fields, and lets it
  * set them.
  *
  * A component's memory holds two structures. Python writes the settings into the second; the first, at work, begins as

@@ -95,9 +95,9 @@ class Workspace:
         return self._fields[name]
 
     def write(self, values: Mapping[str, ArrayLike]) -> None:
-        """Set fields by name."""
+        """Set fields by name; raises SolverError, as `array` does, for a name that no field has."""
         for name, value in values.items():
-            self._fields[name][...] = value
+            self.array(name)[...] = value
 
     def settings(self) -> dict[str, NDArray[Any]]:
         """Return the fields that are set once, before the first call, by what they are as members of the component."""

@@ -1,5 +1,5 @@
 /* NOINLINE: of a function whose code is to stand once, and whose locals are on the stack only while it runs.
- * COLD: the same of a function whose time hardly counts, so that its code is to be small, where a compiler can be told so. */
+ * COLD: the same of a function whose time hardly counts, so that its code is to be small, where a compiler can. */
 #ifndef DRAWBAR_NOINLINE_H
 #define DRAWBAR_NOINLINE_H
 

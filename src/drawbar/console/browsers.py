@@ -1,4 +1,4 @@
-"""Browsers without a screen, for measuring: they open the drive page and say of each picture that it is drawn.
+"""Browsers without a screen, for measuring: they open the drive page and acknowledge each picture.
 
 `python -m drawbar.console.browsers ADDRESS` floods the console there until it is ended, and prints a line each time
 the console ends or refuses its connection.
@@ -36,7 +36,7 @@ class Seen:
 
 async def draws(address: str, seen: Seen) -> None:
     """Draw what comes, until cancelled."""
-    async with _opened(address) as session:
+    async with _opened() as session:
         page, listener = await _page(session, address)
         async with _socket(session, address, page) as socket:
             async for message in socket:
@@ -48,7 +48,7 @@ async def draws(address: str, seen: Seen) -> None:
 
 async def reads_nothing(address: str, seen: Seen) -> None:
     """Open the page and its connection, and never read what comes, until cancelled."""
-    async with _opened(address) as session:
+    async with _opened() as session:
         page, _ = await _page(session, address)
         async with _socket(session, address, page) as socket:
             await socket.receive()
@@ -72,7 +72,7 @@ async def floods(address: str, seen: Seen) -> None:
 
 async def _flood(address: str) -> None:
     """Send as much as the console takes, and come again when it ends the connection."""
-    async with _opened(address) as session:
+    async with _opened() as session:
         while True:
             with suppress(aiohttp.ClientError, ConnectionError, RuntimeError):
                 page, _ = await _page(session, address)
@@ -87,12 +87,12 @@ async def _flood(address: str) -> None:
             await asyncio.sleep(0.1)
 
 
-def _opened(address: str) -> aiohttp.ClientSession:
+def _opened() -> aiohttp.ClientSession:
     return aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True))
 
 
 async def _page(session: aiohttp.ClientSession, address: str) -> tuple[str, str]:
-    """Return the ids of the page and of what hears that a picture was drawn."""
+    """Return the ids of the page and of the listener for drawn pictures."""
     async with session.get(address, headers={"Connection": "close"}) as answer:  # browsers use another for the socket
         text = await answer.text()
     client, listener = _CLIENT.search(text), _DRAWN.search(text)

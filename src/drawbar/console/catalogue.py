@@ -205,7 +205,7 @@ TEXTS: Mapping[str, tuple[str, str]] = {
     "error_rms": ("RMS error", "Fehler, quadratisches Mittel"),
     "error_p95": ("Error, 95 % are below", "Fehler, 95 % liegen darunter"),
     "error_max": ("Largest error", "Größter Fehler"),
-    "steering_effort": ("Mean speed of steering", "Mittlere Lenkgeschwindigkeit"),
+    "steering_effort": ("Mean steering rate", "Mittlere Lenkgeschwindigkeit"),
     "tube_margin": ("Least margin in the tube", "Kleinster Abstand zum Rand des Schlauchs"),
     "rejected_fixes": ("Rejected fixes", "Abgelehnte Positionen"),
     "solver_failures": ("Solver failures", "Rechnungen ohne Lösung"),

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from drawbar.driving.messaging.endpoint import Endpoint
 
 PERIOD = 0.1
-"""between two pictures, s; a step that is heard is shown at once"""
+"""between two pictures, s; a step that arrives is shown at once"""
 _RECONNECT = 60.0
 """for which a page that is out of reach is kept, s"""
 

@@ -154,7 +154,7 @@ def standing(
 
 
 def moving(record: StepRecord) -> Moving | None:
-    """Return what a step says of both bodies' places; None: it does not know them."""
+    """Return both bodies' places in a step; None: it has none."""
     estimate = record.estimate
     places = [(each.x, each.y, each.yaw) for each in (estimate.tractor, estimate.trailer)]
     if not all(math.isfinite(value) for place in places for value in place):

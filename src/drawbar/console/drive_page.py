@@ -97,7 +97,7 @@ class DrivePage:
         return self._lines.nearest_pass(*place.tractor) if place is not None else None
 
     def _announce_lost_record(self) -> None:
-        """Tell, once, that nothing is recorded any more: steering continues, and the list of warnings may be long."""
+        """Show, once, that nothing is recorded any more: steering continues, and the list of warnings may be long."""
         gate = self._link.gate
         lost = gate is not None and bool(gate.steers) and Cause.NOT_RECORDING.value in gate.refusals
         if lost and not self._lost:

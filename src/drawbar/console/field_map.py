@@ -15,7 +15,7 @@ class FieldMap(Element, component=Path(__file__).parent / "static" / "field_map.
     """The browser's drawing of a field; points are east and north, m."""
 
     def __init__(self, texts: dict[str, str], on_choose: Callable[[str], None]) -> None:
-        """Take the texts, and what hears the name of a line that was touched."""
+        """Take the texts, and the listener for the name of a line that was touched."""
         super().__init__()
         self._props["texts"] = texts
         self.show_field({"boundary": [], "lines": []})

@@ -36,7 +36,7 @@ _OTHERS_TOLERANCE, _OTHERS_POINTS = 0.1, 60_000
 _NEAR = 5000.0
 """from its first point, within which a new line belongs to a field, m"""
 _FAR = 2000.0
-"""from the tractor, from which on it is said how far a line is, m"""
+"""from the tractor, from which on the distance of a line is shown, m"""
 _TEXTS = ("field_map", "zoom_in", "zoom_out", "whole")
 
 
@@ -204,7 +204,7 @@ class FieldsPage:
         return f"{self._words(key, length=length, most=centimetres, limit=limit)} {self._distance()}".strip()
 
     def _distance(self) -> str:
-        """Say how far away the tractor is where that is surprising: another field's line is easily chosen."""
+        """Show how far away the tractor is where that is surprising: another field's line is easily chosen."""
         place = self._link.surveyor.place
         if place is None or self._field is None or self._planned is None:
             return ""

@@ -9,7 +9,7 @@ _LOST = 1.0
 
 
 class FlowControl:
-    """Counts pictures from when they are sent until the browser says that they are drawn."""
+    """Counts pictures from when they are sent until the browser acknowledges them."""
 
     def __init__(self) -> None:
         """Begin with none."""

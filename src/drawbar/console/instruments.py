@@ -19,7 +19,7 @@ class Instruments(Element, component=Path(__file__).parent / "static" / "instrum
     """The browser's drawing of a drive."""
 
     def __init__(self, standing: dict[str, Any], texts: dict[str, str], on_drawn: Callable[[object], None]) -> None:
-        """Take what does not move, the texts, and what hears which state of the gate the browser has drawn."""
+        """Take what does not move, the texts, and the listener for the state of the gate that the browser has drawn."""
         super().__init__()
         self._props["standing"] = json.dumps(standing)  # a list would be watched by NiceGUI, point by point
         self._props["texts"] = texts

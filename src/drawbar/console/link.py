@@ -28,7 +28,7 @@ from drawbar.vehicle.parameters import VehicleParameters
 STALE = 1_000_000_000
 """without a state of the gate for so long, what is shown is old, ns"""
 _KEPT = 128
-"""states of the gate that a browser may still say to have drawn; 2.5 s"""
+"""states of the gate that a browser may still acknowledge; 2.5 s"""
 _LEFT = 10_000_000_000
 """whoever has drawn nothing for so long has left, and wishes for nothing, ns"""
 _TRAIL = 3000
@@ -38,11 +38,11 @@ _TRAIL_STEP = 0.1
 _STEPS = 600
 """control steps that are kept to be looked at; two minutes at 5 Hz"""
 _SUBSCRIBE = 500_000_000
-"""between two attempts to be told of the gate's states, ns"""
+"""between two attempts to subscribe to the gate's states, ns"""
 
 
 class Link:
-    """What the console knows of the drive, and its sessions."""
+    """The console's view of the drive, and its sessions."""
 
     def __init__(
         self,
@@ -106,7 +106,7 @@ class Link:
 
     @property
     def satellites(self) -> int:
-        """In use by the receiver that has the fewest, of those that say how many; 0: not known."""
+        """In use by the receiver that has the fewest, of those that report how many; 0: not known."""
         fixes = self.fixes
         if fixes is None:
             return 0
@@ -120,7 +120,7 @@ class Link:
 
     @property
     def corrections_failure(self) -> str:
-        """Why no corrections come, and what to do; empty: they come, or nobody says."""
+        """Why no corrections come, and what to do; empty: they come, or no reason is known."""
         return self._corrections if self.clock() - self._corrections_told <= STALE else ""
 
     def motion(self) -> Motion:

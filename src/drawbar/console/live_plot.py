@@ -1,6 +1,6 @@
 """Live plot: curves over the last minute that slide with time, ten times a second.
 
-The browser keeps the steps, and is sent only those that are new (plots.js). It says of each picture that it is drawn.
+The browser keeps the steps, and is sent only those that are new (plots.js). It acknowledges each picture.
 """
 
 import json

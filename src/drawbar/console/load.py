@@ -64,7 +64,7 @@ class Phase:
 
 @dataclass(frozen=True, slots=True)
 class Drive:
-    """What the log says of the control loop, all times monotonic, ns."""
+    """What the log holds of the control loop, all times monotonic, ns."""
 
     late: Sequence[tuple[int, int]]
     """when each command of a step left, and how long after its epoch was complete"""

@@ -11,7 +11,7 @@ from drawbar.messages import Action
 
 
 class PageHead:
-    """A bar that says how the drive is, and stops it; everybody may."""
+    """A bar that shows how the drive is, and stops it; everybody may."""
 
     def __init__(self, link: Link, visitor: Visitor, words: Words, title: str, *, login: bool) -> None:
         """Build the bar."""

@@ -66,7 +66,7 @@ def demand_name(name: str) -> None:
     """Refuse what cannot be a user's name.
 
     Raises:
-        ConfigurationError: says which names are allowed.
+        ConfigurationError: names what is allowed.
     """
     if not _NAME.fullmatch(name):
         raise ConfigurationError(f"user name {name!r}: 1 to 40 letters, digits, '.', '-' or '_' are allowed")

@@ -169,14 +169,16 @@ class RunsPage:
             for figure in FIGURES:
                 one, other = (value_of(figure, found[name]) for name in names)
                 name = f"{words(figure.text)}, {words(figure.body)}" if figure.body else words(figure.text)
-                cells = [self._figure(value, figure.decimals) for value in (one, other, other - one)]
-                _row("td", f"{name} ({figure.unit})" if figure.unit else name, *cells)
+                cells = [self._figure(value, figure.decimals) for value in (one, other)]
+                more = self._figure(other - one, figure.decimals, sign="+")
+                _row("td", f"{name} ({figure.unit})" if figure.unit else name, *cells, more)
         with self._shown:
             for letter, name in zip("AB", names, strict=True):
-                ui.label(f"{letter}: {name}. {found[name].get('outcome', '')}").classes("note")
+                ui.label(f"{letter}: {name}, {found[name].get('outcome', '')}").classes("note")
 
-    def _figure(self, value: float, decimals: int) -> str:
-        return "–" if value != value else self._words.number(value, decimals)
+    def _figure(self, value: float, decimals: int, *, sign: str = "") -> str:
+        """Return a figure; sign: "+" where one that is not negative has a sign, too."""
+        return "–" if value != value else self._words.decimal(f"{value:{sign}z.{decimals}f}".replace("-", "−"))
 
     def _begin(self, title: str) -> None:
         """Clear the place where results are shown, and put a title there."""
@@ -186,7 +188,7 @@ class RunsPage:
             ui.label(title)
 
     def _tell_gone(self) -> None:
-        """Say that a run is not there any more: somebody else has deleted it."""
+        """Show that a run is not there any more: somebody else has deleted it."""
         tell(self._words("run_gone"))
         self._shown.set_visibility(False)
         self._show_all()

@@ -115,7 +115,7 @@ def press_until(page: "Page", seen: "Locator", *names: str, wait: float = WAIT) 
         wait: longest, ms.
 
     Raises:
-        TimeoutError: it is not seen; says what is.
+        TimeoutError: it is not seen; names what is.
     """
     from playwright.sync_api import TimeoutError as Late
 

@@ -25,7 +25,7 @@ from drawbar.errors import DrawbarError
 _VERSIONS = 10
 """that are listed"""
 _FRESH = 1.0
-"""s; a device that said nothing for longer is marked"""
+"""s; a device that was silent for longer is marked"""
 _PERIOD = 500_000_000
 """between two looks at the devices, ns"""
 
@@ -145,7 +145,7 @@ class SetUpPage:
         self._list_versions()
 
     def _check(self) -> None:
-        """Validate what is shown, draw it, and say what is changed."""
+        """Validate what is shown, draw it, and show what is changed."""
         if self._fills:
             return
         before = self._next_drive.configuration

@@ -40,7 +40,7 @@ class Surveyor:
         """point A, east and north in the drive's frame, m"""
 
     def receive_fixes(self, fixes: Fixes, yaw: float, steering: float) -> None:
-        """Take in fixes, the yaw as the estimator knows it and the measured wheel angle, rad; NaN: unknown."""
+        """Take in fixes, the estimated yaw and the measured wheel angle, rad; NaN: unknown."""
         known = self._yaw if self._antenna() is not None else math.nan  # after a gap it may face anywhere
         self._fixes = fixes
         self._yaw = yaw if math.isfinite(yaw) else self._followed(known, steering if math.isfinite(steering) else 0.0)
@@ -54,7 +54,7 @@ class Surveyor:
         """Return the yaw by how the antenna has moved; known: it was so before, rad.
 
         The axle's middle moves along the yaw alone, at any speed: an antenna that moves ahead of it pulls it behind
-        itself. Any other antenna swings aside in curves by what the measured wheel angle says.
+        itself. Any other antenna swings aside in curves, computed from the measured wheel angle.
         """
         fixes, (forward, left, _) = self._fixes, self._mast.arm
         if fixes is None or self._antenna() is None:
@@ -144,6 +144,6 @@ class Surveyor:
         antenna = self._antenna()
         if antenna is None or not math.isfinite(self._yaw):
             above = not (self._mast.forward or self._mast.left)
-            return antenna if above else None  # else nobody knows where the axle is from there
+            return antenna if above else None  # else the axle's place from there is unknown
         east, north = self._arm(self._yaw)
         return antenna[0] - east, antenna[1] - north

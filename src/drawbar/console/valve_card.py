@@ -1,4 +1,4 @@
-"""Valve card: pushes a valve or motor that has no loop of its own, shows it live, and says what its loop must know."""
+"""Valve card: pushes a valve or motor that has no loop of its own, shows it live, and shows what its loop needs."""
 
 import asyncio
 import json

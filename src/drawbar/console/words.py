@@ -27,12 +27,12 @@ class Words:
         return TEXTS[key][self.language == "de"].format(**values)
 
     def cause(self, cause: Cause) -> tuple[str, str]:
-        """Return what a cause says, and what to do about it, as sentences that begin with a capital letter."""
+        """Return a cause's text, and what to do about it, as sentences that begin with a capital letter."""
         sentence, advice = CAUSES_DE[cause] if self.language == "de" else (cause.sentence, cause.advice)
         return sentence[:1].upper() + sentence[1:], advice[:1].upper() + advice[1:]
 
     def led(self, cause: Cause, status: Status | None) -> str:
-        """Return what a cause says; of the end of the controller's run why it ended, by its status; None: not known."""
+        """Return a cause's text; of the end of the controller's run why it ended, by its status; None: not known."""
         sentence, _ = self.cause(cause)
         if cause is not Cause.CONTROLLER_STOPS or status is None or not status.has_ended:
             return sentence

@@ -1,4 +1,4 @@
-"""Actuator: numbers of a lagging actuator that a controller must know (actuator.h)."""
+"""Actuator: numbers of a lagging actuator that a controller needs (actuator.h)."""
 
 import math
 

@@ -19,12 +19,12 @@ def explicit_unit(
 ) -> Unit:
     """Return a controller that steers both bodies without a prediction (explicit.h).
 
-    Its plan says what would follow if the command were held: the tractor rolls on at constant speed and curvature, the
+    Its plan is what would follow if the command were held: the tractor rolls on at constant speed and curvature, the
     bicycle's, and the trailer is on its reference.
 
     Args:
         law: name of the header with the tractor's law.
-        constants: what that law knows, by field.
+        constants: of that law, by field.
         vehicle: lengths and limits.
         settings: horizon and the trailer's gains.
         sample_time: s.

@@ -34,7 +34,7 @@ class Controller(ABC):
     """Steers both bodies; a subclass is named in a configuration and made once for each run."""
 
     def __init__(self, vehicle: VehicleParameters, sample_time: float, gains: dict[str, float]) -> None:
-        """Take what there is to know before a run.
+        """Take what is known before a run.
 
         Args:
             vehicle: lengths and limits.

@@ -16,7 +16,7 @@ def lqr_unit(vehicle: VehicleParameters, settings: LqrSettings, sample_time: flo
     """Return the regulator: lateral and heading error fed back on top of the steering that holds the path's curvature.
 
     With small errors e (lateral) and h (heading), v the steering beyond the feed-forward: e' = V h, h' = V / L_t v. The
-    gain belongs to the set speed V (m/s). The feed-forward is the product's: it knows the estimated slips. The lateral
+    gain belongs to the set speed V (m/s). The feed-forward is the product's: it uses the estimated slips. The lateral
     error counts no further than where it is balanced by the steepest approach.
     """
     gain = lqr_gain(vehicle, settings, sample_time, speed)

@@ -1,4 +1,4 @@
-"""Off-tracking: what both controllers must know to share the trailer's (off_tracking.h)."""
+"""Off-tracking: what both controllers need to share the trailer's (off_tracking.h)."""
 
 import math
 

@@ -17,7 +17,7 @@ from drawbar.control.settings import ArticulatedControllerSettings, TricycleCont
 _LARGEST_MOVE = 0.75
 """of the wheelbase: what the vehicle may drive from one sample to the next"""
 _PACE = 1.0
-"""m/s: at least this speed is assumed, so that a slow one does not speak against the weights"""
+"""m/s: at least this speed is assumed, so that a slow one is not evidence against the weights"""
 _ARTICULATED, _TRICYCLE = 0.5, 2.0
 """of the horizon: what a correction may take; with weights beyond, runs end metres beside the path"""
 

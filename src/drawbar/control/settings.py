@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from enum import StrEnum
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import AfterValidator, Field
 
@@ -162,7 +162,7 @@ def _module_and_class(place: str) -> str:
 
 
 class ExternalControllerSettings(Settings):
-    """A controller of the user's own; `controller.model = "my_package:MyController"` says the same in short."""
+    """A controller of the user's own; `controller.model = "my_package:MyController"` is the short form."""
 
     model: Literal["external"]
     implementation: Annotated[str, AfterValidator(_module_and_class)]
@@ -198,7 +198,7 @@ class AncillaryGain(Settings):
 
 
 Declared = Mapping[str, NonNegative]
-"""bounds by name; `drawbar tube CONFIG` lists the names and units that a model knows"""
+"""bounds by name; `drawbar tube CONFIG` lists the names and units that a model has"""
 
 
 class BodyTubeSettings(AncillaryGain):
@@ -218,7 +218,7 @@ class BodyTubeSettings(AncillaryGain):
     counts as what the cylinder then falls short; articulated models only"""
 
 
-class TubeWorkRange(Settings):
+class TubeOperatingRange(Settings):
     """Where the errors are linearised: at the middle of these ranges, and allowing for all of them."""
 
     speed: Annotated[tuple[Positive, Positive], Field(strict=False)] = (0.85, 1.05)
@@ -232,10 +232,11 @@ class TubeWorkRange(Settings):
 class TubeSettings(Settings):
     """The ancillary laws u = ū + K (x - x̄), and what the invariant sets are computed from."""
 
+    former_keys: ClassVar[Mapping[str, str]] = {"work": "operating_range"}
     nominal: Annotated[Nominal, Field(strict=False)] = Nominal.PREDICTED
     """what the ancillary law holds the vehicle to"""
     tighten: bool = True
     """let the nominal problems keep to what the sets leave of their bounds; false: to see what that is worth"""
     tractor: BodyTubeSettings = BodyTubeSettings()
     trailer: BodyTubeSettings = BodyTubeSettings()
-    work: TubeWorkRange = TubeWorkRange()
+    operating_range: TubeOperatingRange = TubeOperatingRange()

@@ -25,7 +25,7 @@ def subsystem_unit(
     Args:
         name: of the unit.
         problem: with the bounds that the tube leaves, starting from a given state.
-        tube: says where the problem starts at each sample.
+        tube: determines where the problem starts at each sample.
         header: of the body.
         settings: the body's own, by name.
 

@@ -36,7 +36,7 @@ def tricycle_tractor_unit(
 def tricycle_trailer_unit(
     vehicle: VehicleParameters, settings: TricycleControllerSettings, sample_time: float, tube: SubsystemTube
 ) -> Unit:
-    """Return the trailer's controller, f_2 of the paper, with g_2 as the coupling says."""
+    """Return the trailer's controller, f_2 of the paper, with g_2 by the coupling."""
     problem = _problem(tricycle_trailer(vehicle), settings, sample_time, tube)
     own = coupling_settings(settings.coupling) | {"leverage": vehicle.hitch_length / vehicle.wheelbase}
     return subsystem_unit("trailer", problem, tube, "tricycle_trailer.h", own)

@@ -73,7 +73,7 @@ int UNIT(expected)(struct component *component, struct drawbar_estimate *estimat
 
 /* The estimate at the measurement's time; returns its status.
  *
- * When the result is not finite the estimate is the prediction, and its status says so; a failure of the prediction
+ * When the result is not finite the estimate is the prediction, and its status shows it; a failure of the prediction
  * before it shows here too. A missing input keeps its last measured value. */
 int UNIT(update)(struct component *component, const struct drawbar_measurement *measurement, struct drawbar_estimate *estimate,
                  struct solver_resources *resources)

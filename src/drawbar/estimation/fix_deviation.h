@@ -9,15 +9,15 @@
 
 struct fix_deviations {
     double floor;                          /* least standard deviation, m */
-    double optimism;                       /* factor on what receivers report */
+    double inflation;                      /* factor on what receivers report */
     double floating, differential, single; /* least ones of fixes of these qualities, m */
-    double lasting;                        /* prior factor on these: their errors are correlated over many samples */
+    double correlation_inflation;          /* prior factor on these: their errors are correlated over many samples */
 };
 
 #define FIX_DEVIATIONS_FIELDS(type, place)                                                                   \
-    SETTING(type, place.floor, 0, 1, 0, 0) SETTING(type, place.optimism, 0, 1, 0, 0)                         \
+    SETTING(type, place.floor, 0, 1, 0, 0) SETTING(type, place.inflation, 0, 1, 0, 0)                        \
     SETTING(type, place.floating, 0, 1, 0, 0) SETTING(type, place.differential, 0, 1, 0, 0)                  \
-    SETTING(type, place.single, 0, 1, 0, 0) SETTING(type, place.lasting, 0, 1, 0, 0)
+    SETTING(type, place.single, 0, 1, 0, 0) SETTING(type, place.correlation_inflation, 0, 1, 0, 0)
 
 /* The noise of one receiver's coarse fixes, by how much they change between samples.
  *
@@ -34,9 +34,9 @@ struct coarse_noise {
 #define COARSE_MOST 8.0                    /* largest factor */
 #define COARSE_MEMORY 50                   /* samples */
 
-static inline double coarse_factor(const struct coarse_noise *noise, double lasting)
+static inline double coarse_factor(const struct coarse_noise *noise, double inflation)
 {
-    const double prior = 2.0 / (1.0 + lasting * lasting);
+    const double prior = 2.0 / (1.0 + inflation * inflation);
     const double change = (COARSE_PRIOR * prior + noise->samples * noise->change) / (COARSE_PRIOR + noise->samples);
 
     return sqrt(clamped(2.0 / change - 1.0, 1.0, COARSE_MOST * COARSE_MOST));
@@ -85,10 +85,10 @@ static inline double fix_deviation(const struct fix_deviations *known, struct co
     if (quality == DRAWBAR_QUALITY_NONE || (!isnan(reported) && !(reported > 0.0)))
         return -1.0;
     if (!(least > 0.0))
-        return isnan(reported) ? (double)NAN : fmax(known->optimism * reported, known->floor);
+        return isnan(reported) ? (double)NAN : fmax(known->inflation * reported, known->floor);
     const double deviation = isnan(reported) ? least : fmax(reported, known->floor);
     coarse_update(noise, innovation, deviation);
-    return coarse_factor(noise, known->lasting) * fmax(deviation, least);
+    return coarse_factor(noise, known->correlation_inflation) * fmax(deviation, least);
 }
 
 #endif

@@ -110,7 +110,7 @@ int UNIT(expected)(struct component *component, struct drawbar_estimate *estimat
 }
 
 /* The estimate at the measurement's time, which is the window's newest stage. When the solver failed it is the
- * prediction, and its status says so; a failure of the preparation before it shows here too. */
+ * prediction, and its status shows it; a failure of the preparation before it shows here too. */
 int UNIT(update)(struct component *component, const struct drawbar_measurement *measurement,
                  struct drawbar_estimate *estimate, struct solver_resources *resources)
 {

@@ -8,6 +8,7 @@
 #ifndef DRAWBAR_SCREENING_H
 #define DRAWBAR_SCREENING_H
 
+#include "fix_pair.h"
 #include "manoeuvre.h"
 #include "noise_level.h"
 #include "signals.h"
@@ -16,16 +17,7 @@
 #include "sway.h"
 #include "trust.h"
 
-#define PAIR_WAIT 0.3                      /* for so long a fix waits for the other antenna's, s */
 #define COARSE 3.0                         /* nominal standard deviations; a fix beyond neither confirms nor suspects another */
-
-/* State of one receiver. */
-struct receiver {
-    double fix[2], expected[2];            /* the newest fix; where the antenna was expected when it was first reported, m */
-    time_stamp accepted;                   /* of the last accepted fix that was not coarse */
-    time_stamp waiting;                    /* since when the newest one, not coarse, waits for the other antenna's */
-    int32_t reported, was_accepted;        /* has it ever reported a fix; has one been accepted? */
-};
 
 struct screening {
     /* settings, described in estimation/settings.py */
@@ -66,35 +58,6 @@ struct screened {
     int32_t restart;                       /* both antennas overrule the estimate: it is to start anew from this
                                             * measurement */
 };
-
-/* Both fixes of a sample, compared with what is expected of them. */
-struct fix_pair {
-    double fixes[4];                       /* x, y of the tractor's and of the trailer's, m */
-    double reported[2];                    /* standard deviation of each, m; NaN: nominal */
-    double innovations[4];                 /* longitudinal and lateral, see antennas.h, m */
-    double length_innovation;              /* of the antennas' distance, m */
-    double widenings[2];                   /* of the gates, m */
-    int both;                              /* both antennas have a fix that may confirm the other */
-};
-
-/* How far the antenna has moved since the receiver first reported exactly this fix, m. */
-static inline double receiver_travelled(struct receiver *receiver, const double *fix, const double *expected)
-{
-    if (!receiver->reported || fix[0] != receiver->fix[0] || fix[1] != receiver->fix[1]) {
-        memcpy(receiver->fix, fix, sizeof receiver->fix);
-        memcpy(receiver->expected, expected, sizeof receiver->expected);
-        receiver->reported = 1;
-    }
-    return distance(expected, receiver->expected);
-}
-
-static inline int32_t receiver_fix(struct receiver *receiver, const double *fix, const double *expected,
-                                   double repetition)
-{
-    if (!isfinite(fix[0] + fix[1]))
-        return DRAWBAR_FIX_MISSING;
-    return receiver_travelled(receiver, fix, expected) > repetition ? DRAWBAR_FIX_STALE : DRAWBAR_FIX_ACCEPTED;
-}
 
 /* By how much each gate has widened without a fix, and because the vehicle of this length (m) has changed its yaw rate, m. */
 static inline void screening_widenings(const struct screening *s, double time, double length, double *widenings)
@@ -153,7 +116,7 @@ static inline double screening_white(const struct screening *s)
     return fmax(noise_deviation(&s->noise), s->deviation);
 }
 
-/* Whether a sample without two new fixes is one between those of slower receivers, and says nothing. */
+/* Whether a sample without two new fixes is one between those of slower receivers, and is no evidence. */
 static inline int screening_waits(const struct screening *s, double time)
 {
     return time - s->paired < BETWEEN_FIXES;
@@ -200,29 +163,6 @@ static inline void screening_learn(struct screening *s, double length_innovation
     s->length_error += (length_innovation - s->length_error) / s->lengths;
 }
 
-/* The status of each receiver's fix; returns whether both have one that was not compared yet: receivers may report in turns.
- * Both are then in the pair, the older one moved along with its antenna. */
-static inline int screening_receive(struct screening *s, double time, const double *expected, struct fix_pair *pair,
-                                    int32_t *found)
-{
-    int waiting = 0;
-
-    for (int i = 0; i < 2; ++i) {
-        struct receiver *receiver = &s->receivers[i];
-        found[i] = receiver_fix(receiver, pair->fixes + 2 * i, expected + 2 * i, s->repetition);
-        if (found[i] == DRAWBAR_FIX_ACCEPTED)
-            receiver->waiting = pair->reported[i] > COARSE * s->deviation ? -(double)INFINITY : time;
-        waiting += receiver->reported && time - receiver->waiting < PAIR_WAIT;
-    }
-    for (int i = 0; i < 2 && waiting == 2; ++i) {
-        struct receiver *receiver = &s->receivers[i];
-        receiver->waiting = -(double)INFINITY;
-        for (int j = 0; j < 2 && found[i] != DRAWBAR_FIX_ACCEPTED; ++j)
-            pair->fixes[2 * i + j] = expected[2 * i + j] + (receiver->fix[j] - receiver->expected[j]);
-    }
-    return waiting == 2;
-}
-
 /* Compare the fixes of a measurement with what is expected of them: x, y of the tractor's antenna and of the trailer's, m.
  * `found` becomes the status of each. */
 static inline struct fix_pair screening_pair(struct screening *s, const struct drawbar_measurement *measurement,
@@ -233,7 +173,7 @@ static inline struct fix_pair screening_pair(struct screening *s, const struct d
         .reported = {measurement->tractor_fix_deviation, measurement->trailer_fix_deviation},
     };
 
-    pair.both = screening_receive(s, measurement->time, expected, &pair, found);
+    pair.both = pair_receive(&pair, s->receivers, measurement->time, expected, s->repetition, COARSE * s->deviation, found);
     antenna_innovations(pair.fixes, expected, pair.innovations);
     pair.length_innovation = antenna_length_error(pair.fixes, expected);
     screening_widenings(s, measurement->time, distance(expected, expected + 2), pair.widenings);

@@ -309,7 +309,7 @@ class ActuationSettings(Settings):
     memory: Positive = 60.0
     """time in which what was seen is forgotten, s"""
     repeats: Positive = 5.0
-    """how many errors in a row say the same"""
+    """how many errors in a row agree"""
     resolution: PositiveAngle = math.radians(0.3)
     """standard deviation of the measured steering angles, of their rounding for one, rad"""
     residual: PositiveAngle = 0.1

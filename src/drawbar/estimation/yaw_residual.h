@@ -1,6 +1,6 @@
 /* Yaw residual: by how much the tractor's yaw of fixes and angles has lately departed from the integral of its yaw-rate sensor.
  *
- * A wrong hitch angle shows in that yaw, wheels that slip do not: neither fixes nor angles nor yaw rate know of them. What both
+ * A wrong hitch angle shows in that yaw, wheels that slip do not: they affect neither fixes nor angles nor yaw rate. What both
  * have differed by for long (zeros of the sensors, a bias) does not count.
  */
 #ifndef DRAWBAR_YAW_RESIDUAL_H

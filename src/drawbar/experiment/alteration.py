@@ -20,7 +20,7 @@ FILE_NAME, FOLDER_NAME = "alterations.py", "alterations"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Alteration:
-    """A function of a Simulation, or of a Trial, as text: any worker can call it, and a task's key tells it apart."""
+    """A function of a Simulation, or of a Trial, as text: any worker can call it, and a task's key depends on it."""
 
     name: str
     source: str

@@ -41,18 +41,22 @@ def error_figures(metrics: Metrics) -> dict[str, float]:
     return figures
 
 
-def table_of_means(measured: MeasuredExperiment) -> list[Element]:
+def table_of_distances(measured: MeasuredExperiment) -> list[Element]:
+    """Return the table of means of figures that are `error_figures`."""
+    caption = "Distance from the path, cm: mean ± 95 % interval over the seeds; 0.1: on curves of that curvature, 1/m."
+    return table_of_means(measured, caption)
+
+
+def table_of_means(
+    measured: MeasuredExperiment, caption: str = "Mean ± 95 % interval over the seeds."
+) -> list[Element]:
     """Return one table: every figure of every case, mean ± 95 % interval over the seeds."""
     names = measured.figure_names
     rows = [
         [case, measured.finished(case), *(measured.statistic(case, name).text() for name in names)]
         for case in measured.cases
     ]
-    return [
-        Table(
-            name="means", caption="Mean ± 95 % interval over the seeds.", header=["case", "finished", *names], rows=rows
-        )
-    ]
+    return [Table(name="means", caption=caption, header=["case", "finished", *names], rows=rows)]
 
 
 def load_analysis(folder: Path) -> Analysis:
@@ -62,12 +66,13 @@ def load_analysis(folder: Path) -> Analysis:
     """
     file = folder / FILE_NAME
     if not file.is_file():
-        return Analysis(figures=_figures, report=table_of_means)
+        return Analysis(figures=_figures, report=table_of_distances)
     with failures_told(folder):
         names = runpy.run_path(str(file))
     if not {"figures", "report"} & names.keys():
         raise ConfigurationError(f"{file}: has neither a function figures(result) nor report(measured); add one.")
-    return Analysis(figures=names.get("figures", _figures), report=names.get("report", table_of_means))
+    means = table_of_means if "figures" in names else table_of_distances
+    return Analysis(figures=names.get("figures", _figures), report=names.get("report", means))
 
 
 @contextmanager

@@ -101,7 +101,7 @@ def _uninterrupted() -> Iterator[None]:
 
 
 def _connect(address: str) -> Client:
-    # what Dask would log, tracebacks included, when a scheduler dies is told by call_all in one message
+    # what Dask would log, tracebacks included, when a scheduler dies is reported by call_all in one message
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     try:
         client = Client(address, timeout=_PATIENCE)
@@ -127,7 +127,7 @@ def call_all(
     Args:
         client: of the cluster.
         function: pure, importable by the workers.
-        arguments: plain data; the key tells an argument from every other that this function is ever given.
+        arguments: plain data; the key distinguishes an argument from every other that this function is ever given.
         at_once: calls that may run at the same time; None: as many as there are workers.
 
     Raises:

@@ -1,4 +1,4 @@
-"""Columns of an experiment: which there are, so that a misspelt one is told before anything is driven."""
+"""Columns of an experiment: which there are, so that a misspelt one is refused before anything is driven."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import fields, is_dataclass

@@ -1,4 +1,4 @@
-"""`drawbar experiment`: measure, analyse, write, and say whether the expected figures were met."""
+"""`drawbar experiment`: measure, analyse, write, and report whether the expected figures were met."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -25,7 +25,7 @@ def run_experiments(
     Args:
         console: to report to.
         name: of the experiment, its folder, or `all`.
-        seeds: runs of each case; None: as the experiment says.
+        seeds: runs of each case; None: as the experiment declares.
         jobs: processes on this machine; None: one per core.
         address: of a running Dask scheduler; empty: a cluster of this machine's own.
         only: cases whose names hold one of these texts; none: all.
@@ -72,7 +72,8 @@ def _tables(console: Console, analysis: Analysis, measured: MeasuredExperiment) 
             return list(analysis.report(measured))
     except NotDrivenError as error:
         missing = [error.args[0]]
-    console.print(f"{measured.experiment.folder.name}: no result of {', '.join(missing)}: means, not its own tables")
+    name, cases = measured.experiment.folder.name, ", ".join(missing)
+    console.print(f"{name}: no result of {cases}: a table of means is written in place of the experiment's own tables")
     return table_of_means(measured)
 
 

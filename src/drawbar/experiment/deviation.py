@@ -23,7 +23,7 @@ class RecordedDeviation:
         """Take the autopilot and the configuration that it was built from.
 
         Raises:
-            ConfigurationError: the estimator knows no standard deviation.
+            ConfigurationError: the estimator has no standard deviation.
         """
         settings = configuration.estimator
         if isinstance(settings, IdealEstimatorSettings):

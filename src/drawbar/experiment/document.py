@@ -1,4 +1,4 @@
-"""Results as Markdown: one results.md per experiment, and REPORT.md, which says what all of them taught."""
+"""Results as Markdown: one results.md per experiment, and REPORT.md, which sums up all of them."""
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -19,11 +19,11 @@ _UNTOLD = "The reason that is known names cases without a result."
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Summary:
-    """What REPORT.md says of one experiment."""
+    """An experiment's entry in REPORT.md."""
 
     title: str
     learned: str
-    """empty: nothing to tell"""
+    """empty: nothing to report"""
     why_missed: str
     cases: int
     seeds: int
@@ -55,7 +55,7 @@ def write_results(measured: MeasuredExperiment, elements: Sequence[Element]) -> 
 
 
 def _compared(folder: Path) -> str:
-    """Return where is said what is compared; empty where nobody has written it."""
+    """Return where it is explained what is compared; empty where nothing is written."""
     return "; [README.md](README.md) says what is compared" if (folder / "README.md").is_file() else ""
 
 
@@ -145,7 +145,7 @@ def _side_by_side(summaries: Iterable[Summary]) -> list[str]:
 
 
 def _machines(summaries: Iterable[Summary]) -> str:
-    """Say on what machine the runs were made, once for all experiments that share it."""
+    """Return on what machine the runs were made, once for all experiments that share it."""
     titles: dict[str, list[str]] = {}
     for each in summaries:
         titles.setdefault(", ".join(f"{fact} {text}" for fact, text in each.machine.items()), []).append(each.title)
@@ -165,7 +165,7 @@ def _sections(measured: MeasuredExperiment, elements: Sequence[Element]) -> list
 
 
 def _left_out(measured: MeasuredExperiment) -> list[str]:
-    """Say which cases were not driven, and why, and which texts for REPORT.md name some without a result."""
+    """Return which cases were not driven, and why, and which texts for REPORT.md name some without a result."""
     reasons = measured.experiment.left_out.items()
     not_driven = [f"Not driven: {'; '.join(f'{case} ({reason})' for case, reason in reasons)}."] if reasons else []
     return [*not_driven, *(f"{each}." for each in measured.left_out_texts())]

@@ -1,4 +1,4 @@
-"""An experiment: a folder with an experiment.toml that says what is driven, how often, and what must come out."""
+"""An experiment: a folder with an experiment.toml that declares what is driven, how often, and what must come out."""
 
 import math
 import re
@@ -56,7 +56,7 @@ class Expectation(Settings):
         return statistic.largest if self.in_every_run else statistic.mean
 
     def holds(self, mean: float) -> bool:
-        """Tell whether a mean, or the largest of all runs, meets it; NaN never does."""
+        """Return whether a mean, or the largest of all runs, meets it; NaN never does."""
         if self.value is not None and self.within is not None:
             return abs(mean - self.value) <= self.within * abs(self.value)
         least = -math.inf if self.at_least is None else self.at_least
@@ -94,7 +94,7 @@ class Case(Variant):
     variants: Texts = ()
     """names of those that it is driven in; empty: all"""
     seeds: Annotated[int, Field(ge=1)] | None = None
-    """runs of this case, with the seeds 0, 1, …; none: as the experiment says"""
+    """runs of this case, with the seeds 0, 1, …; none: as the experiment declares"""
     needs: str = ""
     """file or folder, seen from where the command is run, without which the case is left out; empty: nothing"""
 
@@ -184,7 +184,7 @@ class Experiment:
         return replace(self, configurations=chosen)
 
     def tasks(self, seeds: int | None = None) -> dict[str, list[Task]]:
-        """Return the runs of every case, with the seeds from 0 on: so many, or as many as the experiment says."""
+        """Return the runs of every case, with the seeds from 0 on: so many, or as many as the experiment declares."""
         columns, one_core = self.settings.columns, self.settings.one_at_a_time
         return {
             name: [

@@ -83,7 +83,7 @@ def _refusal(outcome: Result | Failure) -> str:
 
 
 def _compile(client: Client, tasks: Iterable[Task], progress: RunsProgress) -> None:
-    """Compile what the runs will need; what cannot be built here fails, and says so, in its runs."""
+    """Compile what the runs will need; what cannot be built here fails, with the reason, in its runs."""
     needed: dict[str, str] = {}
     for configuration in {task.configuration for task in tasks}:
         needed.setdefault(solver_sections(configuration), configuration)

@@ -135,7 +135,7 @@ class MeasuredExperiment:
         return "" if self.unmeasured(text) else FIGURE.sub(self._filled_in, text)
 
     def left_out_texts(self) -> list[str]:
-        """Say which of the texts for REPORT.md are left out, and which cases without a result they name."""
+        """Return which of the texts for REPORT.md are left out, and which cases without a result they name."""
         texts = {name: getattr(self.experiment.settings, name) for name in ("learned", "why_missed")}
         return [
             f"`{name}` is left out of {REPORT_NAME}: no result of {', '.join(cases)}"
@@ -147,7 +147,7 @@ class MeasuredExperiment:
         return self.named_statistic(*place.groups()).text(2)
 
     def misses(self) -> list[str]:
-        """Say what is not as expected: runs without a result, expected cases not driven to the end, figures."""
+        """Return what is not as expected: runs without a result, expected cases not driven to the end, figures."""
         failures = [f"{case}: {reason}" for case, runs in self.runs.items() for reason in runs.failures]
         lost = [
             f"{case}, seed {result.metrics.seed}: {result.metrics.outcome}"
@@ -164,6 +164,6 @@ class MeasuredExperiment:
         return [*failures, *lost, *missed]
 
     def _no_such(self, figure: str) -> str:
-        """Say where runs have figures, but none of this name."""
+        """Return where runs have figures, but none of this name."""
         names = self.figure_names
         return f"; no run has this figure{meant(figure, names)}" if names and figure not in names else ""

@@ -44,7 +44,7 @@ class RunsProgress(LiveLine):
 
 
 def progress_line(title: str, *, done: int, total: int, rate: float, failed: int) -> Text:
-    """Say how far a phase is, at `rate` things per second, at most about 100 columns wide."""
+    """Return how far a phase is, at `rate` things per second, at most about 100 columns wide."""
     full = _WIDTH * done // total if total else 0
     left = (total - done) / rate if rate > 0.0 else 0.0
     return Text.assemble(

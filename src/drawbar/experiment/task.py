@@ -60,7 +60,7 @@ class Task:
 
     @property
     def key(self) -> str:
-        """Return what tells this task's result from every other's, and from that of another drawbar."""
+        """Return the key of this task's result, different for every other task and for another drawbar."""
         altered = [text for each in self.alterations for text in (each.name, each.source)]
         fault = ["fault", self.fault.name, self.fault.source] if self.fault else []
         kept = (*self.columns, "altered by", *altered, *fault)

@@ -46,7 +46,7 @@ _EVENTS = tuple(WATCHED.index(name) for name in ("state", "cause", "driving", "b
 
 
 class Trial:
-    """What alterations of a rehearsal are given; they say what happens, where, and for how long it is watched."""
+    """What alterations of a rehearsal are given; they set what happens, where, and for how long it is watched."""
 
     def __init__(
         self,
@@ -133,7 +133,7 @@ class Trial:
             self._keep(rehearsal.time - start, way, before)
 
     def _keep(self, since: float, way: float, before: Sequence[int]) -> None:
-        """Keep a row of WATCHED, if it tells something that the last one does not; `before`: counts at the fault."""
+        """Keep a row of WATCHED, if it holds something that the last one does not; `before`: counts at the fault."""
         speed, flags = self.rehearsal.machine.world.truth.speed, self._records[-1].flags if self._records else 0
         counts = [after - count for after, count in zip(self._counts(), before, strict=True)]
         row = (since, *self._state(), speed, way, *self._errors, self._beyond, *counts, float(flags))

@@ -43,8 +43,8 @@ def export_library(
 ) -> None:
     """Write the library's sources, its example and its manifest, and build it for each target.
 
-    The folder is new, empty, or that of an earlier export, which its manifest tells, and which is replaced once all is
-    built.
+    The folder is new, empty, or that of an earlier export, recognised by its manifest, and which is replaced once all
+    is built.
 
     Raises:
         ConfigurationError: a component of the configuration exists in simulation only.

@@ -26,7 +26,7 @@ def filled(name: str, values: Mapping[str, str]) -> str:
 
 
 def component_text(component: Component) -> str:
-    """Return a component's C file: what Python compiled, under the component's own names, and what it knows.
+    """Return a component's C file: what Python compiled, under the component's own names, and its settings.
 
     Behind the numbers with which the component begins stand the prototypes that its functions are held against.
     """
@@ -72,7 +72,7 @@ def size_header(memory: Memory, sample_time: float, version: str) -> str:
 
 
 def components_header(memory: Memory, constants: Mapping[str, str]) -> str:
-    """Return the header with the bytes that each component needs, and what step.h wants to know besides."""
+    """Return the header with the bytes that each component needs, and what step.h needs besides."""
     needs = {f"DRAWBAR_{name.upper()}_SIZE": str(size) for name, size in memory.components.items()}
     return _header("drawbar_components", {**needs, "DRAWBAR_WORK_SIZE": str(memory.work), **constants})
 

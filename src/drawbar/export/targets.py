@@ -66,7 +66,7 @@ class Target:
 
     @property
     def stack_known(self) -> bool:
-        """Whether object files say what stack their functions use; COFF and Mach-O have no place for it."""
+        """Whether object files hold the stack use of their functions; COFF and Mach-O have no place for it."""
         return _SIZED in self.flags
 
 
@@ -130,7 +130,7 @@ def find_target(name: str) -> Target:
     """Return the target of that name or triple.
 
     Raises:
-        ConfigurationError: there is none, or several of that triple; says which there are.
+        ConfigurationError: there is none, or several of that triple; names which there are.
     """
     found = [target for target in TARGETS if name in (target.name, target.triple)]
     if len(found) == 1:

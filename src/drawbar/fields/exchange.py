@@ -48,7 +48,7 @@ def read_fields(path: Path, frame: LocalFrame) -> tuple[Field, ...]:
         frame: from whose origin the metres of a CSV file count.
 
     Raises:
-        PathError: nothing readable is there; says what, where and what to do.
+        PathError: nothing readable is there; names what, where and what to do.
     """
     if path.is_dir():
         return agopengps.read(path)
@@ -71,13 +71,13 @@ def take_in(name: str, data: bytes, frame: LocalFrame) -> tuple[Field, ...]:
         frame: from whose origin the metres of a CSV file count.
 
     Raises:
-        PathError: nothing readable is there; says what, where and what to do.
+        PathError: nothing readable is there; names what, where and what to do.
     """
     with tempfile.TemporaryDirectory(prefix="drawbar-import-") as folder:
         try:
             paths = unpack(name, data, Path(folder))
             read = [field for path in paths for field in read_fields(path, frame)]
-        except PathError as error:  # nobody knows the folder
+        except PathError as error:  # the error does not name the folder
             raise PathError(str(error).replace(f"{folder}/", "")) from None
     found = [replace(each, left_out=tuple(what.replace(f"{folder}/", "") for what in each.left_out)) for each in read]
     fields = [field for field in found if not field.is_empty]
@@ -91,7 +91,7 @@ def take_in(name: str, data: bytes, frame: LocalFrame) -> tuple[Field, ...]:
         lines = [(line.name, [(p[0], p[1]) for p in line.points.tolist()]) for field in fields for line in field.lines]
         ring = [(p[0], p[1]) for p in boundary.tolist()] if boundary is not None else None
         left_out: list[str] = []
-        for field in fields:  # what is said of several files, such as their common projection, stands once
+        for field in fields:  # a message about several files, such as their common projection, stands once
             left_out += [each for each in field.left_out if each not in left_out]
         return (make_field(name, Path(name).stem, lines, ring, left_out),)
     unnamed = Path(folder).name  # of an AgOpenGPS field whose files lie in an archive without their folder

@@ -86,7 +86,7 @@ def make_field(
         left_out: what else the source holds.
 
     Raises:
-        PathError: a coordinate is none on Earth, or points are too few; says which.
+        PathError: a coordinate is none on Earth, or points are too few; names which.
     """
     taken: set[str] = set()
     found, besides = [], [*left_out]

@@ -12,7 +12,7 @@ _APART = 0.5
 _JUMP = 5.0
 """two positions in a row farther apart are no motion, m"""
 _AGREEING = 5
-"""positions in a row that are near each other are believed, however far they are from the ones before"""
+"""positions in a row that are near each other are accepted, however far they are from the ones before"""
 _SHORTEST = 5.0
 """m"""
 _MOST = 20_000
@@ -25,7 +25,7 @@ class Track:
         """Begin with none."""
         self.points: list[tuple[float, float]] = []
         self.lost = 0
-        """positions that were too far from the one before to be believed"""
+        """positions that were too far from the one before to be accepted"""
         self._far: list[tuple[float, float]] = []  # the newest of these, as long as they agree
 
     @property

@@ -31,7 +31,7 @@ def demand_steering(path: Path, vehicle: VehicleParameters, *, speed: float, tol
         tolerance: sideways shift that is accepted, m.
 
     Raises:
-        PathError: a curve is too tight, or begins or ends too suddenly; says what of the vehicle does not suffice.
+        PathError: a curve is too tight, or begins or ends too suddenly; names what of the vehicle does not suffice.
     """
     curvature = _curvature(path)
     wheels = _wheels(curvature, vehicle)
@@ -102,7 +102,7 @@ def demand_trackable(path: Path, vehicle: VehicleParameters) -> None:
         vehicle: with the points that shall be on the line.
 
     Raises:
-        PathError: the trailer's steering does not reach so far; says what it leaves, and what would help.
+        PathError: the trailer's steering does not reach so far; names what it leaves, and what would help.
     """
     if vehicle.tracked.are_the_bodies:
         return

@@ -2,7 +2,7 @@
 
 Points are complex, east + i north. The nodes are the control points of a uniform cubic B-spline, so their
 second and third differences are the curvature at the spline's knots and its rate between them. `smooth` costs
-one banded solve and knows no limit. `limit` is for the stretches that are too tight after it: linear programs
+one banded solve without limits. `limit` is for the stretches that are too tight after it: linear programs
 that move the nodes along their normals, bound curvature and rate, and minimise first the largest deviation
 from the recorded points, then the mean one and the variation of curvature.
 """
@@ -96,7 +96,7 @@ def limit(
 ) -> Complexes:
     """Return nodes within the curvature (1/m) and rate (1/m²), close to the recorded points.
 
-    nodes (n,): a first guess; free tells whether its first and last nodes may move. The nodes come back as
+    nodes (n,): a first guess; free: whether its first and last nodes may move. The nodes come back as
     they are when the linear program has no solution; the caller checks the result anyway.
     """
     for _ in range(_ITERATIONS):

@@ -52,7 +52,7 @@ class DrivablePath:
     deviations: Floats
     """(n,): distance of each recorded point from the path, m"""
     frame: LocalFrame | None
-    """what the path's metres count from, for fixes; None: the line's source does not say"""
+    """what the path's metres count from, for fixes; None: the line's source has none"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -110,7 +110,7 @@ def _resample(recorded: Complexes) -> _Steps:
 
 
 def _tight(nodes: Complexes, step: float, curvature: float, rate: float) -> NDArray[np.bool_]:
-    """Tell for each node whether the line bends or changes its curvature too fast there."""
+    """Return for each node whether the line bends or changes its curvature too fast there."""
     kappa = fairing.curvatures(nodes)
     tight = np.zeros(len(nodes), dtype=np.bool_)
     tight[1:-1] = np.abs(kappa) > curvature
@@ -149,7 +149,7 @@ def _judged(line: _Steps, stretch: slice) -> Complexes:
 
 
 def _deviating(nodes: Complexes, points: Complexes) -> NDArray[np.bool_]:
-    """Tell where the path runs noticeably beside the recorded points."""
+    """Return where the path runs noticeably beside the recorded points."""
     position, derivative = fairing.knots(nodes)
     offset = ((points - position) / derivative).imag * np.abs(derivative)
     deviating: NDArray[np.bool_] = np.abs(offset) > _NOTICEABLE

@@ -46,7 +46,7 @@ class Machine(ABC):
     ) -> None:
         try:
             self.stop()
-        except (KeyboardInterrupt, SystemExit):  # impatience, while it is told
+        except (KeyboardInterrupt, SystemExit):  # impatience, while it is being stopped
             self.stop()
             raise
         finally:
@@ -54,7 +54,7 @@ class Machine(ABC):
 
 
 class MachineWithTruth(Machine):
-    """A machine in a computer, which knows what its sensors cannot tell."""
+    """A simulated machine, which has the truth besides its measurements."""
 
     @abstractmethod
     def truth(self) -> Truth:

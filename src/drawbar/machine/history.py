@@ -54,7 +54,7 @@ class History:
     """The true machine of the last seconds, a row of numbers at every integration step."""
 
     def __init__(self, step: float, first: Floats, rng: np.random.Generator, read: Read) -> None:
-        """Begin with a machine that has always stood as its first row (n,) says."""
+        """Begin with a machine that has always stood as in its first row (n,)."""
         self._step, self._rng, self._read = step, rng, read
         self._reach = round(_REACH / step) + 2
         self._rows = np.tile(first, (_SPARE * self._reach, 1))

@@ -30,11 +30,11 @@ class SensorSettings(Settings):
     steering_resolution: PositiveAngle = math.radians(1.0)
     """both steering angles are rounded to multiples of this, rad"""
     quality: bool = False
-    """the receivers say how they found a fix and how far off it may be"""
+    """the receivers report quality and standard deviation of a fix"""
 
 
 class MastError(Settings):
-    """How far an antenna truly stands from where `vehicle.masts` says, along its body's axes."""
+    """True position of an antenna minus the one of `vehicle.masts`, along its body's axes."""
 
     forward: Offset = 0.0
     """m"""
@@ -45,7 +45,7 @@ class MastError(Settings):
 
 
 class MastErrors(Settings):
-    """How far both antennas truly stand from where `vehicle.masts` says."""
+    """True positions of both antennas minus those of `vehicle.masts`."""
 
     tractor: MastError = MastError()
     trailer: MastError = MastError()
@@ -69,7 +69,7 @@ class AttitudeSensorSettings(Settings):
 
 
 class YawSensorSettings(Settings):
-    """A receiver with two antennas on the tractor, which tells where that faces."""
+    """A receiver with two antennas on the tractor, which measures its yaw."""
 
     present: bool = False
     """without it the yaw is missing"""
@@ -111,4 +111,4 @@ class DelaySettings(Settings):
     attitude: Delay = Delay()
     """of both bodies' roll, pitch and yaw rate, and the tractor's yaw"""
     reported: bool = True
-    """the measurement says how old its values are"""
+    """the measurement holds the age of its values"""

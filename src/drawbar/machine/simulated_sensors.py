@@ -22,7 +22,7 @@ from drawbar.vehicle.parameters import VehicleParameters
 
 
 class SensorSections(Protocol):
-    """The sections of a machine's settings that speak of its sensors."""
+    """The sections of a machine's settings about its sensors."""
 
     @property
     def sensors(self) -> SensorSettings: ...  # noqa: D102 -- as in the settings

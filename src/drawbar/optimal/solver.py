@@ -77,7 +77,7 @@ class RealTimeIteration(Guarded):
             most: of the steps.
 
         Returns:
-            What was found. Look at `solved`; `status` says what the last quadratic program came to.
+            What was found. Look at `solved`; `status` is the result of the last quadratic program.
         """
         steps, status, left = 0, SolverStatus.SOLVED, self.residuals()
         while steps < most and status == SolverStatus.SOLVED and not (steps and left.largest <= tolerance):
@@ -109,7 +109,7 @@ class ControlSolver(RealTimeIteration):
 
     Before the first sample: write `initial` and `p`, then start(). Each sample: write `initial`, `p`, `y`; feedback();
     apply u[0]; then advance(). `lower` and `upper` hold the bounds of each bounded variable: (M,) of a state or output,
-    on the stages that ControlProblem says, (N,) of an input or its change: the input's name with `_change` behind it.
+    on the stages of ControlProblem, (N,) of an input or its change: the input's name with `_change` behind it.
     """
 
     def __init__(self, problem: ControlProblem) -> None:
@@ -239,7 +239,7 @@ class EstimationSolver(RealTimeIteration):
         return int(self._newest[0])
 
     def restart(self, prior: Floats) -> SolverStatus:
-        """Begin an empty window at a first guess, which is as good as `prior_deviation` says.
+        """Begin an empty window at a first guess, whose standard deviations are `prior_deviation`.
 
         Args:
             prior: (nx + np,) states, then parameters.

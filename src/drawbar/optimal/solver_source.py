@@ -20,7 +20,7 @@ from drawbar.optimal.transcription import Transcription
 from drawbar.vehicle.model import column
 
 LEVENBERG = 1e-9
-"""Added to the Hessian of every input: what no output sees (a missing steering sensor, say) stays where it is."""
+"""Added to the Hessian of every input: what no output sees (a missing steering sensor) stays where it is."""
 
 
 def solver_source(t: Transcription, component: str = "") -> str:

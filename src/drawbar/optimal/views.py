@@ -24,7 +24,7 @@ class StageBounds(dict[str, Floats]):
     """One side of the bounds, by name of a variable: (stages,) arrays in the solver's own memory, to read and write."""
 
     def __missing__(self, name: str) -> Floats:
-        """Say which bounds there are."""
+        """Refuse a name without a bound, with the names that have one."""
         raise SolverError(
             f"No bound on {name!r} was declared; there are {', '.join(self) or 'none'}. To set one while the solver "
             f"runs, declare it in the problem, with infinite ends at first."

@@ -14,7 +14,7 @@ class SteeringRequest:
     """What one actuator is asked for now."""
 
     steer: bool
-    """False: release the steering, said on the wire, never by silence"""
+    """False: release the steering, sent on the wire, never by silence"""
     angle: float
     """set point, rad, left positive; finite whenever `steer`, else ignored"""
     speed: float
@@ -22,7 +22,7 @@ class SteeringRequest:
 
 
 class Readiness(Enum):
-    """Whether an actuator can be engaged; each says what the operator is to do."""
+    """Whether an actuator can be engaged; the text of each is what the operator is to do."""
 
     READY = "ready"
     SILENT = "reports nothing; check its power, its cable and its address"
@@ -46,13 +46,13 @@ class SteeringReport:
     angle_time: float = -math.inf
     """monotonic time at which `angle` was received, s; -inf: never"""
     engaged: bool = False
-    """the actuator says that it steers as asked"""
+    """the actuator reports that it steers as asked"""
     overridden: bool = False
     """the operator took over since the last request to release the steering; stays until drawbar has released it"""
     readiness: Readiness = Readiness.SILENT
     """whether it may be engaged, or why not"""
     switch: bool | None = None
-    """the operator's own engage switch at the actuator is on; None: it has none, or it has not been heard.
+    """the operator's own engage switch at the actuator is on; None: it has none, or none was received.
     Turning it on asks to engage, turning it off to release; never what the actuator itself has switched"""
 
 
@@ -71,7 +71,7 @@ class SteeringActuator(ABC, Generic[Frame]):
 
     @abstractmethod
     def send(self, time: float, request: SteeringRequest) -> list[Frame]:
-        """Return the frames that say `request` now, those of the protocol's own sequences (edges, hello) included."""
+        """Return the frames that send `request` now, those of the protocol's own sequences (edges, hello) included."""
 
     @abstractmethod
     def report(self, time: float) -> SteeringReport:

@@ -21,7 +21,7 @@ FULL = 1000
 
 @dataclass(frozen=True, slots=True)
 class ValveReport:
-    """What the board says at one instant."""
+    """What the board reports at one instant."""
 
     time: float
     """monotonic time at which it came, s"""

@@ -11,7 +11,7 @@ from enum import Enum
 LONGEST_HEAD = 8192
 """a caster that sends more before its stream begins is none, bytes"""
 LONGEST_LINE = 256
-"""of a chunk's size, or of a header that version 1 knows nothing of, bytes"""
+"""of a chunk's size, or of a header that version 1 does not have, bytes"""
 
 
 def ntrip_request(
@@ -54,7 +54,7 @@ class Answer(Enum):
 
 
 _BY_CONTENT = {b"gnss/sourcetable": Answer.SOURCE_TABLE, b"text/html": Answer.NONSENSE}
-"""by the type that HTTP's headers tell; a page is that of a modem, or of a network that asks for a login first"""
+"""by the type in HTTP's headers; a page is that of a modem, or of a network that asks for a login first"""
 _BY_CODE = {200: Answer.STREAM, 401: Answer.NO_LOGIN, 403: Answer.NO_LOGIN, 404: Answer.NO_MOUNT}
 
 
@@ -228,7 +228,7 @@ def gga_sentence(
     height: float,
     separation: float,
 ) -> bytes:
-    """Return the GGA sentence of a position, for receivers that speak no NMEA.
+    """Return the GGA sentence of a position, for receivers that send no NMEA.
 
     Args:
         time_of_day: UTC, s.

@@ -1,4 +1,4 @@
-"""RTCM 3 correction streams: frames with their checksum out of any bytes, and what a stream says of itself. Pure.
+"""RTCM 3 correction streams: frames with their checksum out of any bytes, and what a stream contains. Pure.
 
 A frame is D3, six zero bits and ten bits of length, the payload, and CRC-24Q over all of that (RTCM 10403). The first
 twelve bits of a payload are its message type.
@@ -29,7 +29,7 @@ def rtcm_frame(payload: bytes) -> bytes:
 
 
 def message_type(frame: bytes) -> int:
-    """Return the type of an intact frame, 0 where its payload is too short to say it."""
+    """Return the type of an intact frame, 0 where its payload is too short for one."""
     return frame[HEAD] << 4 | frame[HEAD + 1] >> 4 if len(frame) >= HEAD + 2 + CHECKSUM else 0
 
 
@@ -83,7 +83,7 @@ class RtcmFramer:
 
 
 class RtcmStatus:
-    """What a stream of corrections has said: types, age of the observations, reference station."""
+    """What a stream of corrections has contained: types, age of the observations, reference station."""
 
     def __init__(self) -> None:
         self.types: Counter[int] = Counter()

@@ -20,7 +20,7 @@ _RESTARTED = 5
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SensorReport:
-    """What the board said at one instant; NaN: it has no such sensor, or the sensor has a fault."""
+    """What the board reported at one instant; NaN: it has no such sensor, or the sensor has a fault."""
 
     time: float
     """monotonic time at which it came, s"""

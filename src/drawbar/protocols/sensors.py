@@ -19,11 +19,11 @@ TABLE_POINTS = range(5, 17)
 STILL_AFTER = 0.5
 """s without a pulse, after which a wheel stands"""
 COUNTED_PULSES = 3
-"""pulses between two reports, below which the time of the pulses says more than their number"""
+"""pulses between two reports, below which the time of the pulses is more precise than their number"""
 
 
 class SensorFault(Enum):
-    """What is wrong with a reading; each says what the operator is to do."""
+    """What is wrong with a reading; the text of each is what the operator is to do."""
 
     NONE = "none"
     NOT_FINITE = "reports no number; check its cable"
@@ -34,7 +34,7 @@ class SensorFault(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reading:
-    """What a sensor says at one instant."""
+    """What a sensor reports at one instant."""
 
     value: float
     """rad or m/s; NaN with a fault"""

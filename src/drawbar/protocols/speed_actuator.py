@@ -14,7 +14,7 @@ class SpeedRequest:
     """What the actuator is asked for now."""
 
     drive: bool
-    """False: stop, and stay; said on the wire, never by silence"""
+    """False: stop, and stay; sent on the wire, never by silence"""
     speed: float
     """set point, m/s, forward positive; ignored where `drive` is False"""
     deceleration: float
@@ -26,7 +26,7 @@ class SpeedReport:
     """What is known of the actuator at an instant."""
 
     engaged: bool = False
-    """the actuator says that it drives as asked"""
+    """the actuator reports that it drives as asked"""
     overridden: bool = False
     """the operator took over (pedal, lever, brake) since the last request to stop"""
     readiness: Readiness = Readiness.SILENT
@@ -44,7 +44,7 @@ class SpeedActuator(ABC, Generic[Frame]):
 
     @abstractmethod
     def send(self, time: float, request: SpeedRequest) -> list[Frame]:
-        """Return the frames that say `request` now."""
+        """Return the frames that send `request` now."""
 
     @abstractmethod
     def report(self, time: float) -> SpeedReport:

@@ -3,7 +3,7 @@
 It grows uncompressed, behind a header with an impossible length, and is flushed to the operating system when the caller
 asks. When it is full its header gets length and checksum; or one zstd frame takes its place, in steps after each of
 which the file is whole. In the frame the messages of each channel stand together, in their order, which makes a drive's
-log 8 % shorter. A killed process leaves a last chunk that says it is endless: readers (stream.py) take what is there.
+log 8 % shorter. A killed process leaves a last chunk whose length is endless: readers (stream.py) take what is there.
 """
 
 import struct
@@ -26,12 +26,12 @@ _WINDOW_LOG = 18
 """of zstd's window, which a whole chunk fits into: one that wraps within a chunk takes twice as long to search"""
 BESIDE, VOID = 0x80, 0x81
 """operation codes, of those that are left to applications: of records that stand behind the chunks of older logs, with
-columns for the report; and of one that tells nothing"""
+columns for the report; and of one without meaning"""
 COMPRESSION = "zstd"
 Message = tuple[bytes, int, int, int]
 """data, sequence, and the times when it was measured and written, ns"""
 LEVEL = -31
-"""of the compression: it looks for what it knows every 32 bytes, a whole count of a step's numbers. Levels between lose
+"""of the compression: it looks for repetitions every 32 bytes, a whole count of a step's numbers. Levels between lose
 by that: -20 takes longer and leaves more"""
 FRAME = struct.Struct("<BQ")
 """operation code of a record, and length of the content that follows"""
@@ -53,7 +53,7 @@ def compressor_of(level: int) -> zstandard.ZstdCompressor:
 
 
 def _message_index(channel: int, entries: list[int]) -> bytes:
-    """Return the record that says where messages lie: the time of each and its place, in turn."""
+    """Return the record of where messages lie: the time of each and its place, in turn."""
     size = 8 * len(entries)
     return struct.pack(f"<BQHI{len(entries)}Q", Opcode.MESSAGE_INDEX, 6 + size, channel, size, *entries)
 
@@ -117,7 +117,7 @@ class Chunk:
         return {channel: len(entries) // 2 for channel, entries in self._messages.items()}
 
     def end(self) -> ChunkIndex:
-        """Make it complete, the messages' index behind it; return what the summary says of the chunk."""
+        """Make it complete, the messages' index behind it; return the chunk's entry of the summary."""
         times = [entries[::2] for entries in self._messages.values()]
         span = min(map(min, times)), max(map(max, times))
         messages = self._messages
@@ -146,7 +146,7 @@ class Chunk:
         )
 
     def _close(self, span: tuple[int, int]) -> tuple[int, int]:
-        """Say how long the chunk is; return where it begins, and the size of its records."""
+        """Write how long the chunk is; return where it begins, and the size of its records."""
         self.flush()
         head = _chunk_head(span, self.size, self._crc, "", self.size)
         _write(self._stream, self._start + FRAME.size, head[FRAME.size :])

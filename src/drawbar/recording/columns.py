@@ -53,7 +53,7 @@ _REPORTED_WITHOUT_TRUTH: tuple[str, ...] = (
     "estimate.tractor_steering",
     *(f"measurement.{name}" for name in _STEERINGS),
 )
-"""in place of what nobody knows"""
+"""in place of what is not known"""
 WIDE = (".x", ".y", "_x", "_y", ".time", ".progress", ".closest.0", ".closest.1")
 """how names of numbers end that single precision would spoil"""
 _MISSING = np.full(1, np.nan)

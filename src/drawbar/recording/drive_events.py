@@ -51,7 +51,7 @@ class Refused:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Noticed:
-    """The controller has told something of a sensor, for the first time since the vehicle is steered."""
+    """The controller has reported something of a sensor, for the first time since the vehicle is steered."""
 
     time: float
     """s since the epoch"""
@@ -184,7 +184,7 @@ def _events(ordered: Iterable[tuple[float, _Message]], *, is_on: bool) -> Iterat
 def _without_repetitions(events: Iterable[DriveEvent]) -> Iterator[DriveEvent]:
     """Leave out what was asked for again before anything else happened, as by a key that is held; shifts add up.
 
-    A refusal is nothing else: it is told once for each cause.
+    A refusal is nothing else: it is reported once for each cause.
     """
     last: tuple[Action, str] | None = None
     refused: set[Cause] = set()

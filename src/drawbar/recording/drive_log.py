@@ -188,7 +188,7 @@ class DriveLog(Recorder):
     def add_message(self, message: Message) -> None:
         """Add a record of one of the processes; a kind that has no topic is left out.
 
-        States of the gate come twice, from the gate and from the controller that heard them, and are added once.
+        States of the gate come twice, from the gate and from the controller that received them, and are added once.
         """
         if isinstance(message, ControllerState):
             self._status = Status(message.status)
@@ -206,7 +206,7 @@ class DriveLog(Recorder):
         self._add(topic, pack_message(message), message.time + self._offset)
 
     def add_event(self, moment: int, level: str, name: str, text: str) -> None:
-        """Add something said in words; level is info, warning or error."""
+        """Add a message in words; level is info, warning or error."""
         wall = moment + self._offset
         stamp = Timestamp(*divmod(wall, 1_000_000_000))
         self._add_known("/events", Log(timestamp=stamp, level=_LEVELS[level], message=text, name=name), wall)

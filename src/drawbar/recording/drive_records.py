@@ -37,10 +37,10 @@ _DIRECTIONS = tuple(Direction)
 
 
 class Kind(IntEnum):
-    """What happened in one of the processes; each tells in its own order."""
+    """What happened in one of the processes; each reports in its own order."""
 
     LOOK = 0
-    """the receivers' process looked at the receivers, and read so many pieces as `sequence` says"""
+    """the receivers' process looked at the receivers, and read as many pieces as `sequence`"""
     GATE = 1
     """the controller took in the gate's state of this sequence"""
     FIXES = 2

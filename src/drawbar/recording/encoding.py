@@ -16,7 +16,7 @@ _NUMPY = (np.ndarray, np.generic)
 
 
 def encode_special(value: Any) -> Any:
-    """Turn what msgspec does not know into what it knows: arrays, numpy scalars, configuration sections.
+    """Turn what msgspec does not support into what it does: arrays, numpy scalars, configuration sections.
 
     Raises:
         TypeError: the value is none of these.

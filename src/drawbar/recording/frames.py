@@ -1,7 +1,7 @@
 """Frames of an MCAP file: its records as they stand in it, also behind bytes that are damaged.
 
-A frame is believed where what it holds agrees with its length, or where another frame follows it. Behind one that is
-not believed the next sound chunk is looked for, or the outcome; what lies between is told as damage. A crash cuts the
+A frame is accepted where what it holds agrees with its length, or where another frame follows it. Behind one that is
+not, the next sound chunk is looked for, or the outcome; what lies between counts as damage. A crash cuts the
 last frame off and leaves no magic at the end; in a file that ends with it, a frame without an end is damage too.
 """
 
@@ -47,7 +47,7 @@ _PIECE = 1 << 24
 
 
 class DamagedLogError(ValueError):
-    """A record is not what its checksum or its length says."""
+    """A record contradicts its checksum or its length."""
 
 
 class Damage(NamedTuple):
@@ -57,7 +57,7 @@ class Damage(NamedTuple):
     end: int
 
     def __str__(self) -> str:
-        """Say where they are; none: where some are missing."""
+        """Return where they are; none: where some are missing."""
         if self.begin == self.end:
             return f"bytes may be missing before byte {self.begin}"
         return f"bytes {self.begin} to {self.end - 1} are damaged"
@@ -120,7 +120,7 @@ def _is_finished(stream: BinaryIO, written: int) -> bool:
 
 
 def _is_in_place(stream: BinaryIO, behind: int, end: int) -> bool:
-    """Return whether the summary, if there is one, begins where the footer says."""
+    """Return whether the summary, if there is one, begins where the footer points."""
     stream.seek(max(end - _LENGTHS[Opcode.FOOTER], 0))
     (start,) = _SIZE.unpack(stream.read(_SIZE.size))
     return start in (0, behind)
@@ -140,7 +140,7 @@ def _frame(stream: BinaryIO, begin: int, end: int) -> Frame:
 
 
 def _is_sound(stream: BinaryIO, begin: int, end: int) -> bool:
-    """Return whether a frame is what it says."""
+    """Return whether a frame is intact."""
     opcode, length = _head(stream, begin)
     if opcode == Opcode.CHUNK and length == ENDLESS:
         return True

@@ -57,7 +57,7 @@ def run_header(
 
 
 _TOLD = 0.05
-"""m; off-tracking that is told"""
+"""m; off-tracking that is reported"""
 _LITTLE, _ENOUGH = 0.345, 0.5
 """rad s^(-2/3): what the front wheels turn within the horizon, per (wheelbase / speed)^(2/3), with which a vehicle that
 begins 1 m beside its line swings about it or loses it, and with which it does not (docs/theory/control.md)"""
@@ -74,7 +74,7 @@ _FAST = 0.5
 
 
 def path_notes(configuration: Configuration, path: Path, drivable: "DrivablePath | None") -> list[str]:
-    """Return what a user should know before a path is driven, in sentences."""
+    """Return the warnings before a path is driven, in sentences."""
     notes = [_deviation_note(configuration, drivable)] if drivable else []
     off_tracking, curvature = largest_off_tracking(path, configuration.vehicle)
     if off_tracking > _TOLD:
@@ -118,7 +118,7 @@ def _taken_by_the_tractor(configuration: Configuration, off_tracking: float) -> 
 
 
 def _sampling_notes(configuration: Configuration) -> list[str]:
-    """Return what is to be said of samples that are far apart."""
+    """Return the warning about samples that are far apart."""
     speed, enough = configuration.speed, _OFTEN * configuration.vehicle.wheelbase
     if configuration.sample_time <= _SELDOM or speed * configuration.sample_time <= enough:
         return []
@@ -134,7 +134,7 @@ def _floored(value: float) -> float:
 
 
 def _shift_notes(configuration: Configuration, path: Path) -> list[str]:
-    """Return what is to be said of front wheels that take longer for the path's curves than these give them."""
+    """Return the warning about front wheels that take longer for the path's curves than these give them."""
     vehicle, limit = configuration.vehicle, configuration.guidance.path_tolerance
 
     def shift(speed: float) -> float:
@@ -153,7 +153,7 @@ def _shift_notes(configuration: Configuration, path: Path) -> list[str]:
 
 
 def _horizon_notes(configuration: Configuration) -> list[str]:
-    """Return what is to be said of a horizon within which the front wheels hardly turn."""
+    """Return the warning about a horizon within which the front wheels hardly turn."""
     controller, vehicle = configuration.controller, configuration.vehicle
     if not isinstance(controller, ArticulatedControllerSettings):
         return []

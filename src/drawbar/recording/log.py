@@ -78,7 +78,7 @@ class Outcome:
 
     @classmethod
     def of(cls, error: BaseException | None) -> Self:
-        """Say what ended a run; only an error that no user was meant to read shows the name of its class."""
+        """Return what ended a run; only an error that no user was meant to read shows the name of its class."""
         if error is None:
             return cls(finished=True, reason="the path was driven to its end")
         if isinstance(error, KeyboardInterrupt):
@@ -261,7 +261,7 @@ def log_of(run: Path) -> Path:
 
 
 def read_log(file: str | os.PathLike[str]) -> RunLog:
-    """Read the log of a run; a last record cut off by a crash is left out, and what is damaged is told by its losses.
+    """Read the log of a run; a last record cut off by a crash is left out, and what is damaged is in its losses.
 
     file: the log, or the folder of the run.
 

@@ -12,7 +12,7 @@ class Losses:
         self._last, self._open, self._is_over = -1, list[Damage](), False
 
     def add(self, damage: Damage) -> None:
-        """Take in bytes that are damaged; that some are missing is news only where nothing is told yet."""
+        """Take in bytes that are damaged; that some are missing is news only where nothing is reported yet."""
         if damage.begin < damage.end or not self.texts:
             self._open.append(damage)
 

@@ -26,7 +26,7 @@ def number_of(name: str) -> Callable[[StepRecord], Any]:
 
 
 def no_number(name: str, record: StepRecord) -> str:
-    """Return what says that a name is that of no number of a step, and what is there instead."""
+    """Return the error that a name is that of no number of a step, with what is there instead."""
     value: Any = record
     parts = name.split(".")
     for place, part in enumerate(parts):

@@ -27,7 +27,7 @@ class PathTable:
     label_of_piece: NDArray[np.int8]
     """(n,): index into label_names"""
     label_names: tuple[str, ...]
-    """the classes that the metrics tell apart"""
+    """the classes that the metrics distinguish"""
 
     @classmethod
     def of(cls, path: Path) -> Self:

@@ -1,6 +1,6 @@
 """Recorder of every control step, in a log that survives a crash: MCAP, chunks that are readable while they grow.
 
-A step is written as the bytes that C made of it, behind the four that say that they are CDR.
+A step is written as the bytes that C made of it, behind the four that mark them as CDR.
 """
 
 import math
@@ -140,7 +140,7 @@ class Recorder:
         return self._writer.add_channel(STEP_TOPIC, CDR, schema)
 
     def _log_time(self, seconds: float) -> int:
-        """Return a time as MCAP holds it, ns from zero on; the last one again where a clock tells none."""
+        """Return a time as MCAP holds it, ns from zero on; the last one again where a clock gives none."""
         if math.isfinite(seconds):
             if self._zero is None:
                 self._zero = min(seconds, 0.0)

@@ -53,6 +53,6 @@ def line_points(log: Columns, body: str) -> Floats:
 
 
 def actual_steering(log: Columns, body: str) -> Floats:
-    """Return a body's steering, (n,) in rad: the truth, or what the sensor said."""
+    """Return a body's steering, (n,) in rad: the truth, or what the sensor measured."""
     source = "truth" if log.has_truth else "measurement"
     return log.column(f"{source}.{body}_steering")

@@ -32,7 +32,7 @@ def _along_figure(log: Columns, traces: list[dict[str, Any]], title: str, **y_op
 def _of_step(
     log: Columns, body: str, values: Floats, name: str, colour: str, unit: str, **options: Any
 ) -> dict[str, Any]:
-    """Return a line over the steps of a run; `meta` tells the page to add times and to follow on the map."""
+    """Return a line over the steps of a run; `meta` makes the page add times and to follow on the map."""
     hover = "%{y:.2f}" + unit + ", at %{customdata:.1f} s"
     shown = extremes(values)
     if len(shown) < len(values):  # else the page has the times
@@ -61,7 +61,7 @@ def _span_of(traces: list[dict[str, Any]]) -> list[float] | None:
 
 
 def error_figure(log: Columns, errors: Bodies[PathErrors]) -> Figure:
-    """Draw the lateral errors of both bodies along the path: the truth, and what the estimator believed."""
+    """Draw the lateral errors of both bodies along the path: the truth, and the estimate."""
     traces = []
     for body, colour in style.BODY_COLOURS.items():
         believed = log.column(f"reference.{body}.lateral_error") * 100
@@ -89,7 +89,7 @@ def heading_figure(log: Columns) -> Figure:
 def speed_figure(log: Columns) -> Figure:
     """Draw the wheel speed as commanded, measured and estimated, m/s."""
     looks = {
-        "measurement.speed": ("Measured", style.REFERENCE, 1.0),
+        "measurement.speed": ("Measured", style.MEASURED, 1.0),
         "estimate.speed": ("Estimated", style.ESTIMATOR, 1.6),
         "command.speed": ("Commanded", style.INK, 1.2),
     }
@@ -99,7 +99,7 @@ def speed_figure(log: Columns) -> Figure:
 def hitch_figure(log: Columns) -> Figure:
     """Draw the hitch angle as measured and estimated, degrees."""
     looks = {
-        "measurement.hitch_angle": ("Measured", style.REFERENCE, 1.0),
+        "measurement.hitch_angle": ("Measured", style.MEASURED, 1.0),
         "estimate.hitch_angle": ("Estimated", style.ESTIMATOR, 1.6),
     }
     return _along_figure(log, _compared(log, looks, math.degrees(1.0), "°"), "Hitch angle, °")
@@ -114,7 +114,7 @@ def _compared(log: Columns, looks: dict[str, tuple[str, str, float]], scale: flo
 
 
 def _masked_fixes(log: Columns) -> list[dict[str, Any]]:
-    """Return crosses on the path where an antenna had a fix that the estimator did not believe."""
+    """Return crosses on the path where an antenna had a fix that the estimator rejected."""
     traces = []
     for body, colour in style.BODY_COLOURS.items():
         masked = log.column(f"estimate.{body}_fix") >= FixStatus.STALE

@@ -153,8 +153,11 @@ def _limits(metadata: Sequence[Any]) -> str:
             found.append(f"{sign} {getattr(each, limit):.4g}")
         elif isinstance(each, MinLen):
             found.append(f"at least {each.min_length}")
-    limits = ", ".join(dict.fromkeys(text for text in found if text))
-    return limits.replace("±", "≤ ") if {">", "≥"} & set(limits) else limits
+    limits = ", ".join(dict.fromkeys(text for text in found if text)).split(", ")
+    signs = {limit[:1] for limit in limits}
+    if signs & {">", "≥"}:
+        limits = [limit.replace("±", "≤ ") for limit in limits if limit[:1] != "±" or not signs & {"<", "≤"}]
+    return ", ".join(limits)
 
 
 def _toml(value: Any) -> str:

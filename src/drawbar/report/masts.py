@@ -1,4 +1,4 @@
-"""Masts: by how much they may mislead where no attitude sensor tells how the bodies lean."""
+"""Masts: by how much they may mislead where no attitude sensor measures how the bodies lean."""
 
 import math
 
@@ -12,7 +12,7 @@ SOFT = 0.36
 """Side-slip per angle of a slope on soft soil, which the estimated side-slips are taken for; on firm soil the slope is
 steeper than that suggests"""
 _NOTED = 2.0
-"""Standard deviations that an offset has to be away from what is stated to be told"""
+"""Standard deviations that an offset has to be away from what is stated to be reported"""
 _TURNED = 0.3
 """Standard deviation of the headings' cosines and sines from which on the world's part of the side-slips shows"""
 _LEAST = 0.3
@@ -34,7 +34,7 @@ def mast_doubt(log: Columns, body: str) -> float:
 
 
 def doubt_text(tractor: float, trailer: float) -> str:
-    """Return what there is to say of the doubts of both bodies, m; empty where there are none."""
+    """Return sentences about the doubts of both bodies, m; empty where there are none."""
     doubts = {"tractor": tractor, "trailer": trailer}
     told = [f"{body} {100.0 * doubt:.0f} cm" for body, doubt in doubts.items() if doubt > 0.0]
     return f"without an attitude sensor the masts may mislead: {', '.join(told)}" if told else ""

@@ -71,7 +71,7 @@ class SolverTimes:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Metrics:
-    """Everything that metrics.json says."""
+    """Everything in metrics.json."""
 
     config: str
     seed: int
@@ -100,7 +100,7 @@ class Metrics:
     steering_rate_mean_rad_s: Bodies[float]
     """mean of |steering rate| from step to step: how busy the actuators are"""
     steering_rate_straight_rad_s: Bodies[float]
-    """the same on straights of a path that tells them from its curves; else NaN"""
+    """the same on straights of a path whose curves are marked; else NaN"""
     ancillary_share: Bodies[float]
     """signed share of the steering: sum of the ancillary term in the command's direction over sum of |command|"""
     saturated_share: Bodies[float]

@@ -1,6 +1,6 @@
 """Path errors: how far both bodies were from the line that was followed; their tracked points on the ground.
 
-The line is the path, or one beside it: a nudged one, or a neighbouring pass. How far beside, each step tells by the
+The line is the path, or one beside it: a nudged one, or a neighbouring pass. How far beside, each step has in the
 point of the line that it found closest. Logs of drawbars that did not record it for a tool are judged by the path.
 """
 
@@ -20,7 +20,7 @@ T = TypeVar("T")
 _BEHIND, _AHEAD = 1.0, 3.0
 """m around the last closest point that are searched: the path crosses itself, a global search would jump"""
 _NEAR = 2.0
-"""m along the path from the place that the controller tells, within which the search finds the track"""
+"""m along the path from the place that the controller reports, within which the search finds the track"""
 _ASIDE = 10.0
 """m beside that place, beyond which it is another path's"""
 _PLACES = 0.25

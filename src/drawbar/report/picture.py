@@ -78,7 +78,17 @@ def _map(log: Columns) -> list[str]:
     for outline, colour in zip(outlines(log), style.BODY_COLOURS.values(), strict=True):
         look = _stroke(colour, 0.8, f'fill="{colour}" fill-opacity="0.35"')
         parts.append(window.curve(outline[:, 0], outline[:, 1], look))
-    return parts
+    return [*parts, *_scale(window)]
+
+
+def _scale(window: _Window) -> list[str]:
+    """Return a bar in the window's lower left corner whose length, 1, 2 or 5 times a power of ten, stands above it."""
+    room = 0.2 * (window.x[1] - window.x[0])
+    power = 10.0 ** math.floor(math.log10(room))
+    metres = power * max(factor for factor in (1, 2, 5) if factor * power <= room)
+    ends = window.x[0] + np.array([0.0, metres]), np.full(2, window.y[0])
+    (left, bottom), _ = window.place(*ends)
+    return [window.curve(*ends, _stroke(style.INK, 2.0)), _label(left, bottom - 6.0, f"{metres:g} m")]
 
 
 def _label(x: float, y: float, text: str, anchor: str = "start", colour: str = style.INK) -> str:
@@ -102,7 +112,8 @@ def _errors(log: Columns, errors: Bodies[PathErrors]) -> list[str]:
         on_path = np.where(progress >= 0.0, progress, np.nan)  # the trailer starts behind the path
         shown = extremes(curves[body])
         parts.append(window.curve(on_path[shown], curves[body][shown], _stroke(colour, 1.1)))
-    parts += [_label(60.0, 776.0, "0 m"), _label(_WIDTH - 20.0, 776.0, f"{length:.0f} m", "end")]
+    parts += [_label(60.0, 776.0, "0 m"), _label(0.5 * _WIDTH + 20.0, 776.0, "along the path", "middle")]
+    parts += [_label(_WIDTH - 20.0, 776.0, f"{length:.0f} m", "end")]
     return parts
 
 

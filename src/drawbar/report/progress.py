@@ -25,7 +25,7 @@ class RunProgress(LiveLine):
 
 
 def progress_line(record: StepRecord, length: float, elapsed: float) -> Text:
-    """Say how far the run is after `elapsed` s of wall-clock time, at most 80 columns wide."""
+    """Return how far the run is, as a text, after `elapsed` s of wall-clock time, at most 80 columns wide."""
     driven, now = record.reference.tractor.progress, record.measurement.time
     share = min(max(driven / length, 0.0), 1.0)
     factor = f"{now / elapsed:5.0f}×" if elapsed > 0.0 else "     –"

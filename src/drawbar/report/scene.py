@@ -66,7 +66,7 @@ def _of_step(poses: dict[str, list[list[float]]], known: dict[str, list[float]],
 
 
 def _configuration(log: Columns) -> Configuration | None:
-    """Return the run's configuration; None where this version of drawbar does not know it any more."""
+    """Return the run's configuration; None where this version of drawbar does not read it any more."""
     try:
         return recorded_configuration(log.header.configuration, [], "the log")
     except ConfigurationError:

@@ -110,7 +110,7 @@ def _driving(log: Columns, errors: Bodies[PathErrors]) -> list[Section]:
 
 
 def _doubt(log: Columns) -> str:
-    """Say by how much masts may mislead where nothing tells how the bodies lean, and which sensors are askew."""
+    """Write by how much masts may mislead where nothing measures how the bodies lean, and which sensors are askew."""
     doubt = doubt_text(mast_doubt(log, "tractor"), mast_doubt(log, "trailer"))
     askew = (mounting_text(log, body) for body in ("tractor", "trailer"))
     found = [doubt, *askew, yaw_text(yaw_difference(log))]

@@ -1,4 +1,4 @@
-"""Two antennas: whether the yaw that they tell on the tractor can be believed, or their line is stated wrongly."""
+"""Two antennas: whether the yaw that they measure on the tractor is plausible, or their line is stated wrongly."""
 
 import math
 
@@ -21,7 +21,7 @@ def yaw_difference(log: Columns) -> float:
 
 
 def yaw_text(difference: float) -> str:
-    """Return what there is to say of a difference, rad; empty where it is small enough to be corrected for."""
+    """Return a sentence about a difference, rad; empty where it is small enough to be corrected for."""
     if not abs(difference) > YAW_GATE:
         return ""
     return (

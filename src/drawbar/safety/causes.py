@@ -1,7 +1,7 @@
 """Causes: everything that stands against engaging or ends driving, each with code, sentence and what to do.
 
 Codes are stable: they are what records, logs and operators' displays show. Not to be confused with `Status` of
-statuses.py, which says how one control step ended.
+statuses.py, which is how one control step ended.
 """
 
 from enum import Enum, IntEnum
@@ -235,4 +235,4 @@ BY_READINESS = {
     Readiness.FAULT: Cause.ACTUATOR_FAULT,
     Readiness.SHADOW: Cause.SHADOW,
 }
-"""what an actuator that is not ready says, as a cause"""
+"""what an actuator that is not ready reports, as a cause"""

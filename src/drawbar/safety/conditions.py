@@ -24,7 +24,7 @@ class Observation:
     agrees: bool = True
     """controller and gate mean the same about whether a run is on"""
     run_ended: bool = False
-    """the controller says that its run is over"""
+    """the controller reports that its run is over"""
     controller_gone: bool = False
     """its process has ended"""
     configured: bool = False
@@ -87,15 +87,15 @@ class Observation:
     operator_age: float = math.inf
     """since the last word of the operator who engaged; before that, of any"""
     backwards: bool = False
-    """the antennas move backwards, by what the controller says"""
+    """the antennas move backwards, as the controller reports"""
     rejected: bool = False
-    """the position of one antenna is not believed, by what the controller says"""
+    """the position of one antenna is rejected, as the controller reports"""
     far_apart: bool = False
-    """both antennas are not as far apart as the vehicle is long, by what the controller says"""
+    """both antennas are not as far apart as the vehicle is long, as the controller reports"""
     mirrored: bool = False
-    """the tractor turns the other way than its front wheels are measured, by what the controller says"""
+    """the tractor turns the other way than its front wheels are measured, as the controller reports"""
     not_following: bool = False
-    """a steering contradicts its commands, by what the controller says, which has ended its run for it while driving"""
+    """a steering contradicts its commands, as the controller reports, which has ended its run for it while driving"""
     recording: bool = False
     """the recorder is alive and writes"""
     guarded: bool = False
@@ -170,7 +170,7 @@ def present(observation: Observation, settings: SafetySettings) -> tuple[Cause, 
 def worst(causes: tuple[Cause, ...]) -> tuple[Response, Cause | None]:
     """Return the strongest response that the causes ask for while driving, and the first cause that asks for it.
 
-    That an actuator has released is what all its troubles look like: any other cause says more.
+    That an actuator has released is what all its troubles look like: any other cause is more specific.
     """
     strongest = max(causes, key=lambda cause: (cause.response, cause is not Cause.ACTUATOR_RELEASED), default=None)
     return (Response.NONE, None) if strongest is None else (strongest.response, strongest)

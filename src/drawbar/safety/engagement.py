@@ -16,7 +16,7 @@ from drawbar.safety.settings import SafetySettings
 
 BOOT, SELFTEST, STANDBY, READY, ENGAGING, ACTIVE, DEGRADED, STOPPING, STOPPED, OVERRIDE, FAULT, ESTOP = SupervisorState
 STEERING = frozenset({ENGAGING, ACTIVE, DEGRADED, STOPPING})
-"""states in which the actuators are asked to steer; in all others they are told to release"""
+"""states in which the actuators are asked to steer; in all others they are commanded to release"""
 LATCHED = frozenset({STOPPED, OVERRIDE, FAULT, ESTOP})
 """states that only the operator's acknowledgement ends"""
 FATAL = frozenset({Cause.CONTROLLER_GONE, Cause.ENDED, Cause.DEVICE, Cause.SUSPENDED})
@@ -94,9 +94,9 @@ class Situation:
     actions: frozenset[Action] = frozenset()
     """of operators since the last update, those that were accepted"""
     overridden: bool = False
-    """an actuator says that the operator took over"""
+    """an actuator reports that the operator took over"""
     taken: bool = False
-    """all actuators say that they steer, and the controller drives"""
+    """all actuators report that they steer, and the controller drives"""
     standing: bool = False
     """the vehicle stands for certain"""
 
@@ -105,7 +105,7 @@ class Engagement:
     """The supervisor's state, since when and why."""
 
     def __init__(self, settings: SafetySettings, *, sound: bool = True) -> None:
-        """Begin in BOOT; `sound` says whether the gate's own limits passed their test."""
+        """Begin in BOOT; `sound`: whether the gate's own limits passed their test."""
         self._engage, self._drive, self._off = settings.engage, settings.drive, settings.timing.off
         self._sound = sound
         self.state = BOOT

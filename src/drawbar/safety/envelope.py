@@ -5,7 +5,7 @@ is wrong, it has expired, or its time cannot be. Are its numbers allowed (`limit
 All numbers of a decoded record are finite (message_records.py), and every comparison is written so that NaN fails it.
 
 It is not `gate.h`, the last part of the control step, which answers for commands of one run by a model of the
-actuators; this one knows nothing of the controller, and goes by what is measured. Pure, without numpy.
+actuators; this one is independent of the controller, and uses what is measured. Pure, without numpy.
 """
 
 import math
@@ -102,7 +102,7 @@ class Envelope:
         return (self._axes[0].angle, self._axes[1].angle)
 
     def repeats(self, command: CommandMessage) -> bool:
-        """Return whether a command has come before, or a later one has: a copy, which says nothing new."""
+        """Return whether a command has come before, or a later one has: a copy, which holds nothing new."""
         return self._sequence is not None and not is_after(command.sequence, self._sequence)
 
     def admit(self, command: CommandMessage, now: float) -> bool:

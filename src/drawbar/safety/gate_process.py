@@ -26,8 +26,8 @@ ASK_AGAIN = 0.01
 def run(gate: Gate, settings: SafetySettings, clock: MachineClock) -> int:
     """Run the gate in this process, which may do nothing else; return the exit code.
 
-    SIGTERM and SIGINT end it. Before it returns, it tells the actuators to release for `timing.off` seconds and closes
-    the devices. Real-time scheduling that the system does not allow is reported on standard error.
+    SIGTERM and SIGINT end it. Before it returns, it commands the actuators to release for `timing.off` seconds and
+    closes the devices. Real-time scheduling that the system does not allow is reported on standard error.
     """
     for word in prepare(settings.timing.priority):
         say(f"gate: {word}")
@@ -90,7 +90,7 @@ def next_tick(time: float, period: float, since: float, *, urgent: bool) -> floa
 
 
 def _announce(notifier: Notifier, announced: SupervisorState, state: SupervisorState) -> SupervisorState:
-    """Tell the service manager a new state; the gate is ready once it has passed its first self-test."""
+    """Report a new state to the service manager; the gate is ready once it has passed its first self-test."""
     if state is SupervisorState.STANDBY and announced <= SupervisorState.SELFTEST:
         notifier.tell("READY=1")
     notifier.tell(f"STATUS={state.name}")
@@ -110,7 +110,7 @@ def _wait(gate: Gate, clock: MachineClock, now: float, until: float) -> None:
 
 
 def _release_for_good(gate: Gate, settings: SafetySettings, clock: MachineClock) -> None:
-    """Tell the actuators to release, after the gate's own program has failed: nothing of it is asked any more."""
+    """Command the actuators to release, after the gate's own program has failed: nothing of it is asked any more."""
     off = SteeringRequest(steer=False, angle=0.0, speed=0.0)
     stop = SpeedRequest(drive=False, speed=0.0, deceleration=settings.drive.emergency_deceleration)
     end = clock() + settings.timing.off

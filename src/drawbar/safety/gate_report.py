@@ -48,7 +48,7 @@ class Actuation:
 
     @property
     def engaged(self) -> int:
-        """Which actuators say that they do as asked, as bits of GateState.engaged."""
+        """Which actuators report that they do as asked, as bits of GateState.engaged."""
         reports = (self.tractor, self.trailer, self.speed)
         return sum(1 << bit for bit, report in enumerate(reports) if report is not None and report.engaged)
 
@@ -121,7 +121,7 @@ def gate_state(
 
 
 class _Steering(NamedTuple):
-    """What a record says of one steering."""
+    """One steering in a record."""
 
     angle: float = math.nan
     """measured, rad"""
@@ -132,7 +132,7 @@ class _Steering(NamedTuple):
 
 
 def _steering(report: SteeringReport | None, set_point: float) -> _Steering:
-    """Return what a record says of a steering; without an actuator nothing is known or given."""
+    """Return a steering's part of a record; without an actuator nothing is known or given."""
     return _Steering() if report is None else _Steering(report.angle, nanoseconds(report.angle_time), set_point)
 
 

@@ -43,7 +43,7 @@ class Gate:
         controller: ControllerChannel,
         operators: OperatorChannel,
     ) -> None:
-        """Begin in BOOT, with nothing received; the first tick tells the actuators to release."""
+        """Begin in BOOT, with nothing received; the first tick commands the actuators to release."""
         self._settings = settings
         self.wires, self.controller, self.channel = Wires(wires), controller, operators
         self.engagement = Engagement(settings, sound=limits_hold(settings, bounds))
@@ -51,7 +51,7 @@ class Gate:
         self._requests = OperatorRequests(settings, self.engagement)
         self._envelope = Envelope(settings, bounds)
         self._followings = (Following(settings.drive), Following(settings.drive))
-        self._taken: set[int] = set()  # actuators that have said that they steer since they were asked to
+        self._taken: set[int] = set()  # actuators that have reported steering since they were asked to
         self._speed = self._degraded_speed = 0.0
         self._counts, self._clips_in_a_row = Counts(), 0
         self._suspended_before = suspended_time()
@@ -87,7 +87,7 @@ class Gate:
         return self.controller.gone or refused > 0 or commanded
 
     def _obey(self, now: float, command: CommandMessage) -> None:
-        """Put an admitted command through the envelope; before a run has begun it only says what it would be."""
+        """Put an admitted command through the envelope; before a run has begun the result is only shown."""
         self.watch.command = command
         if not self.engagement.steers or command.mode is Mode.IDLE:
             return
@@ -112,7 +112,7 @@ class Gate:
         return urgent
 
     def tick(self, now: float, late: float = 0.0) -> None:
-        """Decide what is to be done now, and say it; `late` by s after it was due."""
+        """Decide what is to be done now, and command it; `late` by s after it was due."""
         self._look_at_oneself(now, late)
         actuation, before = self._actuation(now), self.engagement.state
         self._ask_switches(actuation)

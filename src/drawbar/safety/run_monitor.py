@@ -9,7 +9,7 @@ from drawbar.vehicle.parameters import VehicleParameters
 _SETTINGS = ("lost", "leaving", "blind", "blind_deviation")
 _HEADING, _STEERING = 0.013, 0.0056
 """standard deviations of heading and steering when the last fix is lost, rad: what they make of the way is what the
-estimator's own covariance says (tests/safety/test_blind.py)"""
+estimator's own covariance (tests/safety/test_blind.py)"""
 
 
 def run_monitor_unit(sanity: SanitySettings, vehicle: VehicleParameters) -> Unit:

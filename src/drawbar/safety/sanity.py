@@ -37,7 +37,7 @@ class SanitySettings(Settings):
     """difference of the measured hitch angle from the estimated one that is a contradiction on any ground, rad"""
     hitch_mean: PositiveAngle = 0.0489
     """mean difference, of hitch and joint together, that is one on smooth ground; on rough ground it is seven times
-    what is usual there, rad; without meaning for an estimator that does not know the chain"""
+    what is usual there, rad; without meaning for an estimator without the chain"""
     hitch_patience: Positive = 0.7
     """for how long it may last before the run ends, s"""
     swing: Positive = 0.15
@@ -62,7 +62,7 @@ def sanity_unit(vehicle: VehicleParameters, settings: SanitySettings, *, positio
         vehicle: whose wheelbase is known.
         settings: when to do what.
         position: standard deviation of one coordinate of a fix whose receiver reports none, m.
-        chain: the estimator knows the exact chain.
+        chain: the estimator has the exact chain.
     """
     values: dict[str, ArrayLike] = {
         **settings.model_dump(exclude={"lost", "leaving", "blind", "blind_deviation"}),

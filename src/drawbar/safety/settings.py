@@ -169,7 +169,7 @@ class TimingSettings(Settings):
     suspended: Timeout = 0.5
     """for which the computer may have been suspended, s"""
     off: Annotated[float, Field(ge=1.0, le=10.0)] = 1.0
-    """for how long the actuators are told to release before the gate ends, and before it engages them, s"""
+    """for how long the actuators are commanded to release before the gate ends, and before it engages them, s"""
     lease: Timeout = 2.0
     """without a word of its holder, after which another operator may engage, s"""
     priority: Annotated[int, Field(ge=0, le=99)] = 50
@@ -187,5 +187,5 @@ class SafetySettings(Settings):
     """largest shift of the line by the operator, m"""
 
     def fingerprint(self) -> int:
-        """Return a number of these settings by which two processes know that they hold the same."""
+        """Return a number of these settings by which two processes check that they hold the same."""
         return zlib.crc32(self.model_dump_json().encode())

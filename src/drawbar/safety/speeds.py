@@ -7,7 +7,7 @@ from statistics import fmean
 from drawbar.safety.settings import SafetySettings
 
 _SMALL = 0.1
-"""a difference of two speeds that says nothing of their ratio: noise, or the delay of one of them, m/s"""
+"""a difference of two speeds below which their ratio means nothing: noise, or the delay of one of them, m/s"""
 _RECENT = 3.0
 """longest time of a source's samples whose mean is compared with another's: the vehicle's speed changes, s"""
 
@@ -40,7 +40,7 @@ class Speeds:
         return bool(fresh) and max(fresh) - min(fresh) <= self._timing.speed_difference
 
     def contradict(self, time: float) -> bool:
-        """Return whether both sources are fresh, and differ on the average by what no slip makes: a wrong unit, say."""
+        """Return whether both sources are fresh, and differ on the average by more than slip: a wrong unit."""
         full = [each for each in self._samples.values() if len(each) == each.maxlen and time - each[0][0] <= _RECENT]
         slow, fast = sorted(abs(fmean(speed for _, speed in each)) for each in full) if len(full) == 2 else (0.0, 0.0)
         return len(self.fresh(time)) == 2 and fast > max(self._timing.speed_ratio * slow, slow + _SMALL)
@@ -59,7 +59,7 @@ class Speeds:
     def believable(self, time: float) -> float:
         """Return the larger newest magnitude, as far as it is no more than known or this machine's largest, m/s.
 
-        Boards are told it, which release above 25 km/h, and turn no wheel at standstill: a false report of a receiver
+        It is sent to boards, which release above 25 km/h, and turn no wheel at standstill: a false report of a receiver
         or of the wheels must bring about neither. Where no source is fresh, the newest of both stays.
         """
         return min(max(self.fresh(time).values(), default=abs(self.last)), self.largest(time), self._envelope.speed)

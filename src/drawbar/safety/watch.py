@@ -94,7 +94,7 @@ class Watch:
         steering: tuple[SteeringReport | None, SteeringReport | None],
         readiness: tuple[Readiness, ...],
     ) -> Observation:
-        """Return what is so now, without what operators, envelope and followings know."""
+        """Return what is so now, without the parts of operators, envelope and followings."""
         troubles, reported = self.troubles, self._of_controller(time, state)
         return Observation(
             controller_age=time - self._state_time,
@@ -122,7 +122,7 @@ class Watch:
         )
 
     def _of_controller(self, time: float, supervisor: SupervisorState) -> dict[str, Any]:
-        """Return what the controller's last state says, in the observation's fields."""
+        """Return the controller's last state, in the observation's fields."""
         state = self._state
         if state is None:
             return {}

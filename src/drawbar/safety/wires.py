@@ -93,7 +93,7 @@ class Wires:
         return None if device is None else self._guarded(device.report, time) or unknown
 
     def _guarded(self, call: Callable[Given, Result], *args: Given.args, **names: Given.kwargs) -> Result | None:
-        """Return the result of a call; where it raises, None, and it is said, once for each kind of error."""
+        """Return the result of a call; where it raises, None, and the error is printed, once for each kind."""
         try:
             return call(*args, **names)
         except Exception as error:

@@ -180,7 +180,7 @@ class BodyDiagnostics:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Diagnostics:
-    """What there is to say of the last step."""
+    """Diagnostics of the last step."""
 
     tractor: BodyDiagnostics
     trailer: BodyDiagnostics

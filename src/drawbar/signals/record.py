@@ -1,4 +1,4 @@
-"""The record of a step: all its signals, what a simulation knows besides, and how long the solvers took."""
+"""The record of a step: all its signals, the truth of a simulation, and how long the solvers took."""
 
 from dataclasses import dataclass, field
 from functools import partial
@@ -12,7 +12,7 @@ from drawbar.structs import as_struct
 @as_struct
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Truth:
-    """What only a simulation knows."""
+    """The truth, which only a simulation has."""
 
     time: float
     """s"""
@@ -82,5 +82,5 @@ class StepRecord:
     status: Status
     """OK: the command is a new one"""
     flags: Flag
-    """what there is to say of the command"""
+    """remarks on the command"""
     actuation: Actuation = field(default_factory=Actuation)

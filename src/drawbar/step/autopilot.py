@@ -109,7 +109,7 @@ class Autopilot:
             raise DrawbarError(f"offset = {offset} m is not allowed: {status.text}; call begin(path) first.")
 
     def set_engaged(self, engaged: bool) -> None:
-        """Tell whether the commands are carried out; at first they are.
+        """Set whether the commands are carried out; at first they are.
 
         While they are not, the command repeats the steering as it is, and plans continue from what the vehicle does.
         """

@@ -1,4 +1,4 @@
-"""Building an autopilot from its configuration: the only place that knows all components."""
+"""Building an autopilot from its configuration: the only place that depends on all components."""
 
 import math
 
@@ -20,7 +20,7 @@ from drawbar.control.settings import (
     TricycleControllerSettings,
 )
 from drawbar.control.tricycle import tricycle_tractor_unit, tricycle_trailer_unit
-from drawbar.control.tube.bodies import Work
+from drawbar.control.tube.bodies import OperatingConditions
 from drawbar.control.tube.kept_rate import with_kept_rates
 from drawbar.control.tube.tube import Tubes, tubes_of
 from drawbar.estimation.actuation import actuation_unit
@@ -71,7 +71,7 @@ def build_autopilot(configuration: Configuration) -> Autopilot:
 
 
 def step_settings(configuration: Configuration) -> StepSettings:
-    """Return what the step itself knows from the configuration."""
+    """Return the step's own settings."""
     preview = configuration.guidance.mode == "preview"
     return StepSettings(
         sample_time=configuration.sample_time,
@@ -132,17 +132,17 @@ def build_tubes(configuration: Configuration) -> Tubes | None:
     return tubes_of(
         configuration.vehicle,
         settings,
-        with_kept_rates(settings, tube_work(configuration), configuration.tube),
+        with_kept_rates(settings, operating_conditions(configuration), configuration.tube),
         speed=configuration.speed,
         sample_time=configuration.sample_time,
     )
 
 
-def tube_work(configuration: Configuration) -> Work:
-    """Return what the vehicle does when its errors are looked at."""
-    return Work(
+def operating_conditions(configuration: Configuration) -> OperatingConditions:
+    """Return where the errors of both bodies are linearised."""
+    return OperatingConditions(
         vehicle=configuration.vehicle,
-        ranges=configuration.tube.work,
+        ranges=configuration.tube.operating_range,
         speed=configuration.speed,
         sample_time=configuration.sample_time,
     )

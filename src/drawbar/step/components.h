@@ -128,7 +128,7 @@ int drawbar_run_monitor_watch(struct component *component, const struct drawbar_
 
 enum { TRACTOR_BODY, TRAILER_BODY, BOTH_BODIES };
 
-/* What the step itself knows from the configuration. */
+/* The step's own settings. */
 struct step_settings {
     double sample_time;                    /* s */
     double speed;                          /* set speed, and the largest that drawbar_set_speed takes, m/s */

@@ -233,12 +233,12 @@ class _Construction:
         self.names[kind.__name__] = kind
         hints = get_type_hints(kind, include_extras=True)
         parts = [
-            f"{field.name}={field.name if field.name in given else self._field(kind, field, hints, prefix)}"
+            f"{field.name}={field.name if field.name in given else self._field(field, hints, prefix)}"
             for field in fields(kind)
         ]
         return f"{kind.__name__}({', '.join(parts)})"
 
-    def _field(self, kind: Any, field: Field[Any], hints: dict[str, Any], prefix: str) -> str:
+    def _field(self, field: Field[Any], hints: dict[str, Any], prefix: str) -> str:
         hint, name = hints[field.name], prefix + field.name
         base, array = base_of(hint), note_of(hint, Array)
         if is_dataclass(base):

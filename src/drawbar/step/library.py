@@ -27,7 +27,7 @@ _STEP = """\
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StepSettings:
-    """What the step itself knows from the configuration: struct step_settings, in its order."""
+    """The step's own settings: struct step_settings, in its order."""
 
     sample_time: float
     """s"""

@@ -19,7 +19,7 @@ _STUCK = 2
 
 
 def refusal(status: Status, autopilot: Autopilot, first: Measurement) -> DrawbarError:
-    """Return the error that says why a run cannot begin."""
+    """Return the error with the reason why a run cannot begin."""
     if status is Status.NO_PATH:
         return PathError("the autopilot has no path; call autopilot.begin(path) before it drives")
     if not np.isfinite([first.tractor_x, first.tractor_y, first.trailer_x, first.trailer_y]).all():
@@ -36,7 +36,7 @@ def refusal(status: Status, autopilot: Autopilot, first: Measurement) -> Drawbar
 
 
 def reason(status: Status, before: Status, record: StepRecord, autopilot: Autopilot) -> str:
-    """Say why a run has ended; `before`: the status of the step before its last."""
+    """Return why a run has ended; `before`: the status of the step before its last."""
     at = f"At {record.measurement.time:.1f} s"
     if status is Status.OFF_COURSE:
         return f"{at} {_off_course(abs(record.reference.tractor.lateral_error), autopilot)}"
@@ -60,7 +60,7 @@ def reason(status: Status, before: Status, record: StepRecord, autopilot: Autopi
 
 
 def _off_course(away: float, autopilot: Autopilot) -> str:
-    """Say how far (m) the tractor was from the path, and how far it may be."""
+    """Return how far (m) the tractor was from the path, and how far it may be."""
     lost, leaving = (_live(autopilot, "run_monitor", name) for name in ("lost", "leaving"))
     if away > lost or math.isnan(away):
         return f"the tractor was {away:.2f} m from the path (limit {lost:g} m)."
@@ -71,7 +71,7 @@ def _off_course(away: float, autopilot: Autopilot) -> str:
 
 
 def _without_fixes(autopilot: Autopilot) -> str:
-    """Say how far the vehicle has gone without a fix, and how far and for how long it may."""
+    """Return how far the vehicle has gone without a fix, and how far and for how long it may."""
     distance, longest, most = (
         _live(autopilot, "run_monitor", name) for name in ("distance", "blind", "blind_deviation")
     )
@@ -87,7 +87,7 @@ def _live(autopilot: Autopilot, component: str, name: str, place: int = 0) -> fl
 
 
 def _not_followed(record: StepRecord, autopilot: Autopilot) -> str:
-    """Say which steering does not follow its commands."""
+    """Return which steering does not follow its commands."""
     sensed, angles = record.measurement, []
     for place, body, name in ((0, "tractor", "the front wheels"), (1, "trailer", "the trailer's joint")):
         stuck = _live(autopilot, "actuation", "stuck_time", place) > 0.0
@@ -102,7 +102,7 @@ def _not_followed(record: StepRecord, autopilot: Autopilot) -> str:
 
 
 def _contradicted(record: StepRecord, autopilot: Autopilot) -> str:
-    """Say which of the trailer's angles contradicts the motion: the one that is farther from its estimate."""
+    """Return which of the trailer's angles contradicts the motion: the one that is farther from its estimate."""
     names = {"hitch_angle": "hitch angle", "trailer_steering": "trailer's joint"}
     pairs = {name: [math.degrees(getattr(of, name)) for of in (record.measurement, record.estimate)] for name in names}
     stuck = _live(autopilot, "sanity", "hitch.stuck_time") > 0.0
@@ -116,7 +116,7 @@ def _contradicted(record: StepRecord, autopilot: Autopilot) -> str:
 
 
 def _leans_otherwise(record: StepRecord, autopilot: Autopilot) -> str:
-    """Say which roll sensor is wrong, and what about it."""
+    """Return which roll sensor is wrong, and what about it."""
     sensors = []
     for place, body in enumerate(("tractor", "trailer")):
         doubt = _live(autopilot, "alignment", "positions.leans.faults", place)
@@ -131,7 +131,7 @@ def _leans_otherwise(record: StepRecord, autopilot: Autopilot) -> str:
 
 
 def _lost(estimate: Estimate, autopilot: Autopilot) -> str:
-    """Say why guidance had no reference."""
+    """Return why guidance had no reference."""
     guidance = autopilot.library.components["guidance"].live
     for pose in (estimate.tractor, estimate.trailer):
         if not math.isfinite(pose.x + pose.y + pose.yaw):

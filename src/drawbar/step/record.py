@@ -19,7 +19,7 @@ _NUMBER = Struct("i")
 
 
 class RecordReader:
-    """Reads the newest step out of a library; what Python knows of it lies in the same memory."""
+    """Reads the newest step out of a library; what Python adds to it lies in the same memory."""
 
     def __init__(self, library: StepLibrary, horizon: int) -> None:
         """Take the library and the number of stages in its plans."""

@@ -1,1 +1,1 @@
-"""Transports: bytes in and out of serial lines, sockets, CAN buses and files; they know nothing of their meaning."""
+"""Transports: bytes in and out of serial lines, sockets, CAN buses and files; without their meaning."""

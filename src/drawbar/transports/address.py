@@ -44,7 +44,7 @@ class UdpAddress:
     """Where to listen, and whom to send to."""
 
     host: str
-    """IPv4 address of this computer; 0.0.0.0: all of them, the only one that also hears broadcasts"""
+    """IPv4 address of this computer; 0.0.0.0: all of them, the only one that also receives broadcasts"""
     port: int
     """0: any free one"""
     peer: tuple[str, int] | None = None
@@ -79,7 +79,7 @@ class _RefusedError(Exception):
 
 
 def parse_transport(text: str) -> TransportAddress:
-    """Return what an address of a transport says.
+    """Return the parts of an address of a transport.
 
     Raises ConfigurationError with the address, what is wrong with it and the forms that are allowed.
     """
@@ -96,7 +96,7 @@ def parse_transport(text: str) -> TransportAddress:
 
 
 def parse_can(text: str) -> CanAddress:
-    """Return what an address of a CAN bus says.
+    """Return the parts of an address of a CAN bus.
 
     Raises ConfigurationError with the address, what is wrong with it and the forms that are allowed.
     """

@@ -29,7 +29,7 @@ class Transport(ABC):
 
     connected: bool
     trouble: str = ""
-    """why it is not connected, or what was last not sent, in words for the operator; empty: nothing to say"""
+    """why it is not connected, or what was last not sent, in words for the operator; empty: nothing to report"""
     unsent: int = 0
     """bytes that `write` was given and the device did not take"""
 
@@ -55,7 +55,7 @@ class CanBus(ABC):
 
     connected: bool
     trouble: str = ""
-    """why it is not connected, or what was last not sent, in words for the operator; empty: nothing to say"""
+    """why it is not connected, or what was last not sent, in words for the operator; empty: nothing to report"""
     unsent: int = 0
     """frames that `write` was given and the bus did not take"""
 

@@ -90,7 +90,7 @@ class PythonCanBus(CanBus):
         self.connected = False
         bus, self._bus = self._bus, None
         if bus:
-            with contextlib.suppress(Exception):  # a bus whose device is gone cannot be told so
+            with contextlib.suppress(Exception):  # a bus whose device is gone cannot be shut down
                 bus.shutdown()
 
     @property
@@ -126,7 +126,7 @@ class PythonCanBus(CanBus):
         return None
 
     def _judge(self, error: Exception) -> None:
-        """Tell a device that is gone from bytes that are no frame."""
+        """Decide whether the device is gone, or some bytes were no frame."""
         cause = error.__cause__ or error
         if isinstance(cause, OSError):
             self._lose(str(error))

@@ -12,7 +12,7 @@ from enum import Enum
 from drawbar.transports.tls import TlsLayer
 
 PIECE = 65536
-"""bytes taken from the socket at a time, where nothing else is said"""
+"""bytes taken from the socket at a time, unless given otherwise"""
 
 
 class Phase(Enum):

@@ -16,7 +16,7 @@ from drawbar.transports.udp import UdpTransport
 def open_transport(text: str, clock: Clock = time.monotonic) -> Transport:
     """Open `serial:DEVICE@BAUD`, `tcp://HOST:PORT`, `udp://ADDRESS:PORT`, `file:PATH`, or a CAN bus to listen to.
 
-    A device that is not there, or a server that does not answer, is no error: `connected` is False, `trouble` says
+    A device that is not there, or a server that does not answer, is no error: `connected` is False, `trouble` holds
     why, and `read` tries again.
 
     Args:
@@ -24,8 +24,8 @@ def open_transport(text: str, clock: Clock = time.monotonic) -> Transport:
         clock: returns monotonic time, s.
 
     Raises:
-        ConfigurationError: the address is none; says what is allowed.
-        HardwareError: a UDP port is taken or a file cannot be read; says what to do.
+        ConfigurationError: the address is none; names what is allowed.
+        HardwareError: a UDP port is taken or a file cannot be read; names what to do.
     """
     if text.startswith("can:"):
         return CanListener(open_can(text, clock))
@@ -42,8 +42,8 @@ def open_transport(text: str, clock: Clock = time.monotonic) -> Transport:
 def open_can(text: str, clock: Clock = time.monotonic) -> CanBus:
     """Open `can:socketcan:can0`, `can:slcan:DEVICE@BAUD`, `can:udp_multicast:GROUP:PORT` or `can:virtual:NAME`.
 
-    A bus that is not there is no error: `connected` is False, `trouble` says why, and `read` tries again.
+    A bus that is not there is no error: `connected` is False, `trouble` holds why, and `read` tries again.
 
-    Raises ConfigurationError where the address is none; says what is allowed.
+    Raises ConfigurationError where the address is none; names what is allowed.
     """
     return PythonCanBus(parse_can(text), clock)

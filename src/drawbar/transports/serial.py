@@ -48,7 +48,7 @@ class SerialTransport(Transport):
             try:
                 with contextlib.suppress(
                     BlockingIOError
-                ):  # its buffer is full: nothing is taken, and that is told below
+                ):  # its buffer is full: nothing is taken, which is reported below
                     taken = os.write(self.fileno(), data)
             except OSError as error:
                 self._lose(error.strerror or str(error))
@@ -81,7 +81,7 @@ class SerialTransport(Transport):
         try:
             self._port.set_low_latency_mode(True)
             self.low_latency = True
-        except (ValueError, NotImplementedError):  # not every driver knows it
+        except (ValueError, NotImplementedError):  # not every driver supports it
             self.low_latency = False
 
     def _take(self) -> bytes:
@@ -107,7 +107,7 @@ class SerialTransport(Transport):
 
 
 def _reason(error: Exception) -> str:
-    """Return what the system said, without pyserial's words around it."""
+    """Return the system's message, without pyserial's words around it."""
     code = getattr(error, "errno", None) or next((each for each in error.args if isinstance(each, int)), None)
     if "exclusively lock" in str(error):
         return "another program has it open; stop that program"

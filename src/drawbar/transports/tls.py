@@ -8,7 +8,7 @@ MOST = 65536
 
 
 class TlsLayer:
-    """One TLS session. What it wants sent is in `sealed()`; `sent()` tells it how much of that went."""
+    """One TLS session. What it wants sent is in `sealed()`; `sent()` takes how much of that went."""
 
     def __init__(self, context: ssl.SSLContext, host: str) -> None:
         self._from_wire, self._to_wire = ssl.MemoryBIO(), ssl.MemoryBIO()
@@ -33,7 +33,7 @@ class TlsLayer:
         """Return the plain bytes that `data` completes; ssl.SSLError: it is not what the other end sealed."""
         self._from_wire.write(data)
         plain = bytearray()
-        # both errors say that this is all there is; an announced end is followed by the socket's own
+        # both errors mean that this is all there is; an announced end is followed by the socket's own
         with suppress(ssl.SSLWantReadError, ssl.SSLZeroReturnError):
             while piece := self._session.read(16384):
                 plain += piece

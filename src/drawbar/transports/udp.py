@@ -15,7 +15,7 @@ from drawbar.transports.clock import Clock, StampConverter
 SO_TIMESTAMPNS = 35
 """Linux; Python has no name for it"""
 IP_PKTINFO = 8
-"""the same; says by which interface a datagram leaves"""
+"""the same; selects the interface by which a datagram leaves"""
 EVERYONE = "255.255.255.255"
 STAMP = struct.Struct("@ll")
 """seconds and nanoseconds of the wall clock"""

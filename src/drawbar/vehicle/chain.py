@@ -1,4 +1,4 @@
-"""Chain: the lengths that estimators and controllers on the chain of both bodies know (chain.h)."""
+"""Chain: the lengths that estimators and controllers on the chain of both bodies use (chain.h)."""
 
 from drawbar.vehicle.parameters import VehicleParameters
 

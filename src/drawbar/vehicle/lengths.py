@@ -9,7 +9,7 @@ from drawbar.vehicle.parameters import VehicleParameters
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Lengths:
-    """What the equations of motion know of the vehicle, SX symbols or numbers, m; see VehicleParameters."""
+    """The vehicle's lengths in the equations of motion, SX symbols or numbers, m; see VehicleParameters."""
 
     wheelbase: Any
     hitch_length: Any

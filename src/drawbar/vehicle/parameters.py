@@ -102,8 +102,8 @@ class VehicleParameters(Settings):
     trailer_length: Length = 1.3
     """L_i, RJ2 to the trailer axle, m"""
     trailer_antenna: NonNegativeLength = 0.25
-    """c, the trailer's point ahead of its axle, m; its antenna stands above it unless `masts` says otherwise, and it is
-    what shall be on the line unless `tracked` says otherwise"""
+    """c, the trailer's point ahead of its axle, m; its antenna stands above it unless `masts` places it elsewhere, and
+    it is what shall be on the line unless `tracked` names another point"""
     masts: Masts = Masts()
     tracked: TrackedPoints = TrackedPoints()
     joint_sign: Literal[-1, 1] = 1

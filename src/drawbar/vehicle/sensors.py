@@ -1,7 +1,8 @@
 """Sensors: how noisily they measure, shared by estimator and simulated machine."""
 
 import math
-from typing import Annotated
+from collections.abc import Mapping
+from typing import Annotated, ClassVar
 
 from pydantic import Field
 
@@ -14,11 +15,12 @@ AngleDeviation = Annotated[PositiveAngle, Field(ge=1e-5)]
 class FixSettings(Settings):
     """Standard deviation of fixes by what their receivers report; without a report it is `sensors.position`."""
 
+    former_keys: ClassVar[Mapping[str, str]] = {"optimism": "inflation", "lasting": "correlation_inflation"}
     age: Annotated[NonNegative, Field(le=1.0)] = 0.0
     """of a position whose receiver reports none, s"""
     floor: Positive = 0.01
     """least standard deviation of a fix, whatever its receiver reports, m"""
-    optimism: Annotated[float, Field(ge=1.0)] = 1.5
+    inflation: Annotated[float, Field(ge=1.0)] = 1.5
     """factor on the standard deviation that a receiver reports"""
     floating: Positive = 0.4
     """of a fix in RTK float, m"""
@@ -26,8 +28,8 @@ class FixSettings(Settings):
     """of a differential fix, m"""
     single: Positive = 2.5
     """of a fix without corrections, m"""
-    lasting: Annotated[float, Field(ge=1.0)] = 4.0
-    """factor on the last three: such errors last for many samples, which do not average them out"""
+    correlation_inflation: Annotated[float, Field(ge=1.0)] = 4.0
+    """factor on the last three: such errors are correlated over many samples, which do not average them out"""
 
 
 class SensorNoise(Settings):

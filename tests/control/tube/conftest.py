@@ -9,10 +9,10 @@ from drawbar.control.settings import (
     ArticulatedControllerSettings,
     BodyTubeSettings,
     TricycleControllerSettings,
+    TubeOperatingRange,
     TubeSettings,
-    TubeWorkRange,
 )
-from drawbar.control.tube.bodies import Body, Work
+from drawbar.control.tube.bodies import Body, OperatingConditions
 from drawbar.control.tube.error_model import Source
 from drawbar.control.tube.invariant_set import InvariantSet
 from drawbar.control.tube.tube import bodies_of
@@ -46,13 +46,15 @@ DECLARED = {
 
 @pytest.fixture(scope="session")
 def body() -> Callable[..., Body]:
-    """Return a function that gives the body of a model by name, over a work range."""
+    """Return a function that gives the body of a model by name, over an operating range."""
 
-    def body(model: str, name: str, ranges: TubeWorkRange | None = None, **vehicle: float) -> Body:
-        ranges = ranges or TubeWorkRange(speed=(0.9, 1.0), tractor_slip=(0.9, 1.0), trailer_slip=(0.9, 1.0))
-        work = Work(vehicle=VehicleParameters(**vehicle), ranges=ranges, speed=1.0, sample_time=0.2)
+    def body(model: str, name: str, ranges: TubeOperatingRange | None = None, **vehicle: float) -> Body:
+        ranges = ranges or TubeOperatingRange(speed=(0.9, 1.0), tractor_slip=(0.9, 1.0), trailer_slip=(0.9, 1.0))
+        conditions = OperatingConditions(
+            vehicle=VehicleParameters(**vehicle), ranges=ranges, speed=1.0, sample_time=0.2
+        )
         tube = TubeSettings(tractor=DECLARED["articulated", "tractor"], trailer=DECLARED["articulated", "trailer"])
-        return bodies_of(CONTROLLERS[model], work, tube)[NAMES.index(name)]
+        return bodies_of(CONTROLLERS[model], conditions, tube)[NAMES.index(name)]
 
     return body
 

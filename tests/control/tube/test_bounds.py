@@ -11,8 +11,8 @@ from drawbar.control.settings import (
     BodyTubeSettings,
     Nominal,
     TricycleControllerSettings,
+    TubeOperatingRange,
     TubeSettings,
-    TubeWorkRange,
 )
 from drawbar.control.tube.bodies import followed_rate
 from drawbar.control.tube.tube import tube_of, tubes_of
@@ -20,7 +20,7 @@ from drawbar.errors import ConfigurationError, TubeError
 from drawbar.step.build import build_tubes
 from drawbar.vehicle.parameters import VehicleParameters
 
-POINT = TubeWorkRange(speed=(0.9, 0.9), tractor_slip=(0.9, 0.9), trailer_slip=(0.9, 0.9))
+POINT = TubeOperatingRange(speed=(0.9, 0.9), tractor_slip=(0.9, 0.9), trailer_slip=(0.9, 0.9))
 STEPS = 300
 
 
@@ -63,7 +63,7 @@ def worst_quantity(tube, limit, settings):
 @pytest.mark.parametrize("nominal", [Nominal.PROPAGATED, Nominal.OPTIMISED])
 def test_tightening_is_the_worst_that_a_linear_programme_finds(model, name, nominal, body, declared):
     settings, vehicle = declared[model, name], body(model, name, POINT)
-    bent = vehicle.model  # steering and curvature still spread the work points: leave the nominal one
+    bent = vehicle.model  # steering and curvature still spread the operating points: leave the nominal one
     vehicle = type(vehicle)(
         model=type(bent)(
             states=bent.states,
@@ -99,7 +99,7 @@ def test_in_the_predicted_mode_the_law_answers_one_step_errors_only(body, declar
 
 
 def tubes(controller, tractor, **vehicle):
-    tube = TubeSettings(nominal=Nominal.PROPAGATED, tractor=tractor, work=POINT)
+    tube = TubeSettings(nominal=Nominal.PROPAGATED, tractor=tractor, operating_range=POINT)
     return tubes_of(VehicleParameters(**vehicle), controller, tube, speed=1.0, sample_time=0.2)
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from controllers import AncillaryLaw
 
-from drawbar.control.settings import BodyTubeSettings, Nominal, TubeWorkRange
+from drawbar.control.settings import BodyTubeSettings, Nominal, TubeOperatingRange
 from drawbar.control.tube.sources import declared_sources
 from drawbar.control.tube.tube import closed_loop, tube_of
 from drawbar.errors import TubeError
@@ -14,7 +14,7 @@ BODIES = [(model, name) for model in ("articulated", "tricycle") for name in ("t
 
 
 def disturbances(model, sources, rng, count):
-    """Return extreme disturbances (v, count, n) at each work point, the generators being those of that work point."""
+    """Return extreme disturbances (v, count, n) at each operating point, of the generators at that point."""
     total = np.zeros((len(model.A), count, len(model.states)))
     for source in sources:
         signs = rng.choice([-1.0, 1.0], size=(len(model.A), count, source.generators.shape[1]))
@@ -48,7 +48,7 @@ def test_nothing_leaves_in_one_step(model, name, nominal, body, declared, bounda
     assert after[..., 0].size >= 100_000  # of each of twelve tubes: more than a million in all
     worst = (after.reshape(-1, n) @ directions.T).max(axis=0)
     assert np.all(worst <= limits)
-    # and not for want of trying: the set is filled in its coordinates' directions, where the work points agree
+    # and not for want of trying: the set is filled in its coordinates' directions, where the operating points agree
     if np.ptp(A, axis=0).max() < 1e-12:
         assert worst[:n] == pytest.approx(limits[:n], rel=1e-6)
 
@@ -99,7 +99,7 @@ def test_a_gain_on_yaw_alone_bounds_yaw_alone(body):
     lateral, yaw = tube.support(np.eye(2))
     assert np.isinf(lateral)
     assert tube.invariant_set.bounded.tolist() == [1]
-    # yaw alone is a scalar error with the largest and smallest pole of the work range
+    # yaw alone is a scalar error with the largest and smallest pole of the operating range
     assert 0.01 * 0.2 / 3.0 / 0.15 < yaw < 0.01 * 0.2 / 0.2
     assert np.isfinite(margin(tube, np.array([50.0, 0.5 * yaw])))
     # a nominal state that starts at the estimate carries no lateral error on
@@ -125,8 +125,8 @@ def test_a_gain_of_the_wrong_sign_has_no_set(body):
 
 
 def test_work_points_too_far_apart_have_no_common_set(body, declared):
-    wide = TubeWorkRange(speed=(0.1, 2.0), tractor_slip=(0.3, 1.0))
-    with pytest.raises(TubeError, match=r"tube\.work"):
+    wide = TubeOperatingRange(speed=(0.1, 2.0), tractor_slip=(0.3, 1.0))
+    with pytest.raises(TubeError, match=r"tube\.operating_range"):
         tube_of("tractor", body("articulated", "tractor", wide), declared["articulated", "tractor"], Nominal.PROPAGATED)
 
 

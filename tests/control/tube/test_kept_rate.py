@@ -8,15 +8,15 @@ from drawbar.config import load_configuration
 from drawbar.control.tube.kept_rate import with_kept_rates
 from drawbar.control.tube.tube import tubes_of
 from drawbar.errors import TubeError
-from drawbar.step.build import build_tubes, tube_work
+from drawbar.step.build import build_tubes, operating_conditions
 
 SLOW = ("sample_time=0.1", "vehicle.steering_lag=0.13", "vehicle.tractor_steering_rate=0.12")
 
 
 def kept(*changes):
     configuration = load_configuration("articulated", changes)
-    work = tube_work(configuration)
-    return configuration, work, with_kept_rates(configuration.controller, work, configuration.tube)
+    conditions = operating_conditions(configuration)
+    return configuration, conditions, with_kept_rates(configuration.controller, conditions, configuration.tube)
 
 
 def test_the_shipped_machine_keeps_its_rate_with_what_is_declared():
@@ -25,20 +25,20 @@ def test_the_shipped_machine_keeps_its_rate_with_what_is_declared():
 
 
 def test_a_slow_steering_keeps_its_rate_and_falls_short_by_no_more_than_that_takes():
-    configuration, work, tube = kept(*SLOW)
+    configuration, conditions, tube = kept(*SLOW)
     declared = configuration.tube.tractor.disturbances["steering_rate"]
     counted = tube.tractor.disturbances["steering_rate"]
     assert counted > declared
     for size, enough in ((declared, False), (0.99 * counted, False), (counted, True)):
         tractor = tube.tractor.model_copy(update={"disturbances": {**tube.tractor.disturbances, "steering_rate": size}})
         tubes = tubes_of(
-            work.vehicle,
+            conditions.vehicle,
             configuration.controller,
             tube.model_copy(update={"tractor": tractor}),
-            speed=work.speed,
-            sample_time=work.sample_time,
+            speed=conditions.speed,
+            sample_time=conditions.sample_time,
         )
-        assert (tubes.tractor.bounds["steering_rate"].tightened >= work.vehicle.tractor_steering_rate) is enough
+        assert (tubes.tractor.bounds["steering_rate"].tightened >= conditions.vehicle.tractor_steering_rate) is enough
 
 
 @pytest.mark.parametrize("share", [0.0, 0.5, 1.0])

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from drawbar.control.settings import TubeWorkRange
+from drawbar.control.settings import TubeOperatingRange
 from drawbar.control.tube import bodies
-from drawbar.control.tube.bodies import Work, steady_articulation
+from drawbar.control.tube.bodies import OperatingConditions, steady_articulation
 from drawbar.errors import TubeError
 from drawbar.vehicle.articulated import articulated_tractor, articulated_trailer
 from drawbar.vehicle.parameters import VehicleParameters
@@ -56,9 +56,9 @@ CASES = {
 @pytest.mark.parametrize("case", CASES)
 def test_a_sample_on_a_straight_line_by_finite_differences(case):
     declare, of_body, kept, sign, vehicle = CASES[case]
-    model, ranges = declare(vehicle), TubeWorkRange(speed=(0.8, 1.0), tractor_slip=(0.8, 1.0))
-    work = Work(vehicle=vehicle, ranges=ranges, speed=1.2, sample_time=TIME)
-    errors = (of_body(work) if sign is None else of_body(work, 0.0)).model
+    model, ranges = declare(vehicle), TubeOperatingRange(speed=(0.8, 1.0), tractor_slip=(0.8, 1.0))
+    conditions = OperatingConditions(vehicle=vehicle, ranges=ranges, speed=1.2, sample_time=TIME)
+    errors = (of_body(conditions) if sign is None else of_body(conditions, 0.0)).model
     values = {"longitudinal_slip": 0.9, "tractor_slip": 0.9, "trailer_slip": 0.9, "speed": 1.2}
     p = np.array([values.get(parameter.name, 0.0) for parameter in model.parameters])
     x, kept = np.zeros(len(model.states)), list(kept)
@@ -80,10 +80,13 @@ def test_a_sample_on_a_straight_line_by_finite_differences(case):
 
 
 def test_in_a_curve_the_tractor_turns_faster_per_steering_and_its_errors_stay_those_of_its_own_frame():
-    work = Work(
-        vehicle=VEHICLE, ranges=TubeWorkRange(speed=(1.0, 1.0), tractor_slip=(0.9, 0.9)), speed=1.0, sample_time=TIME
+    conditions = OperatingConditions(
+        vehicle=VEHICLE,
+        ranges=TubeOperatingRange(speed=(1.0, 1.0), tractor_slip=(0.9, 0.9)),
+        speed=1.0,
+        sample_time=TIME,
     )
-    errors, model = bodies.articulated_tractor_body(work, 0.0).model, articulated_tractor(VEHICLE)
+    errors, model = bodies.articulated_tractor_body(conditions, 0.0).model, articulated_tractor(VEHICLE)
     steering = VEHICLE.tractor_steering_limit
     p = np.array([1.0, 0.9, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
     rest = np.array([0.0, 0.0, 0.0, steering])
@@ -101,27 +104,30 @@ def test_in_a_curve_the_tractor_turns_faster_per_steering_and_its_errors_stay_th
 
 
 def test_work_points_cover_the_declared_ranges_after_their_middle():
-    work = Work(
-        vehicle=VEHICLE, ranges=TubeWorkRange(speed=(0.8, 1.0), tractor_slip=(0.8, 1.0)), speed=1.0, sample_time=TIME
+    conditions = OperatingConditions(
+        vehicle=VEHICLE,
+        ranges=TubeOperatingRange(speed=(0.8, 1.0), tractor_slip=(0.8, 1.0)),
+        speed=1.0,
+        sample_time=TIME,
     )
-    model = bodies.articulated_tractor_body(work, 0.0).model
+    model = bodies.articulated_tractor_body(conditions, 0.0).model
     assert len(model.A) == 1 + 2 * 2 * 2
     gains = model.A[:, 0, 1] / TIME
     assert gains[0] == pytest.approx(0.9)
     assert {round(gain, 9) for gain in gains[1:]} == {0.8, 1.0}
-    assert len(bodies.articulated_trailer_body(work, 0.0).model.A) == 1 + 2 * 2 * 3
+    assert len(bodies.articulated_trailer_body(conditions, 0.0).model.A) == 1 + 2 * 2 * 3
 
 
 def test_the_discretisation_is_the_matrix_exponential_also_of_a_fast_actuator():
     for lag in (0.01, 0.3, 5.0):
         vehicle = VEHICLE.model_copy(update={"steering_lag": lag})
-        work = Work(
+        conditions = OperatingConditions(
             vehicle=vehicle,
-            ranges=TubeWorkRange(speed=(1.0, 1.0), tractor_slip=(0.9, 0.9)),
+            ranges=TubeOperatingRange(speed=(1.0, 1.0), tractor_slip=(0.9, 0.9)),
             speed=1.0,
             sample_time=TIME,
         )
-        errors = bodies.articulated_tractor_body(work, 0.0).model
+        errors = bodies.articulated_tractor_body(conditions, 0.0).model
         turn = 0.9 / vehicle.wheelbase
         continuous = np.zeros((4, 4))
         continuous[0, 1], continuous[1, 2], continuous[2, 2], continuous[2, 3] = 1.0, turn, -1.0 / lag, 1.0 / lag

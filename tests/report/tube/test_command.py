@@ -43,7 +43,7 @@ def tube(tmp_path):
 def test_sets_bounds_and_sources_are_printed_and_drawn(tube, tmp_path):
     left, said = tube("articulated")
     assert left
-    words = ("seen error", "true error", "steering rate", "tractor yaw rate", "work point", "left", "Not declared")
+    words = ("seen error", "true error", "steering rate", "tractor yaw rate", "operating point", "left", "Not declared")
     assert all(word in said for word in words)
     assert max(map(cell_len, said.splitlines()[:-1])) <= 80
     assert {file.name for file in (tmp_path / "out").iterdir()} == {"tube.html", "tube-tractor.svg", "tube-trailer.svg"}

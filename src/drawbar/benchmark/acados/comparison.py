@@ -21,7 +21,7 @@ class AcadosProbe(Probe):
     def __init__(
         self, template: Any, folder: Path, name: str, library: StepLibrary, component: Component, *, with_peers: bool
     ) -> None:
-        """Let the component's solver tell of its phases.
+        """Let the component's solver report its phases.
 
         Args:
             template: the module `acados_template`.

@@ -16,7 +16,7 @@ from drawbar.errors import DrawbarError
 PACKAGE = "comma-deps-acados"
 """wheel of acados on PyPI; it brings a CasADi of its own, so it must lie in a folder by itself"""
 _LIBRARIES = ("blasfeo", "hpipm", "qpOASES_e")
-"""that its own needs; loaded first, since nobody has told the system's loader where they are"""
+"""that its own needs; loaded first, since the system's loader does not look where they are"""
 INSTALL = f"pip install --no-deps --target FOLDER {PACKAGE}"
 
 

@@ -164,7 +164,7 @@ def _doubled(rng: np.random.Generator, bounds: Bounds, there: NDArray[np.bool_])
 
 
 def _point(rng: np.random.Generator, sizes: Sizes, recipe: Recipe) -> Floats:
-    """Return a point z (NZ,) that shall be optimal: states of size 1, inputs as far out as the recipe says."""
+    """Return a point z (NZ,) that shall be optimal: states of size 1, inputs as far out as in the recipe."""
     N, nx, nu = sizes.stages, sizes.states, sizes.inputs
     far = decades(rng, recipe.reach_decades, (N, 1))
     return np.concatenate([rng.normal(size=(N + 1) * nx), (far * rng.normal(size=(N, nu))).ravel()])

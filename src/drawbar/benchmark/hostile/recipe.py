@@ -67,7 +67,7 @@ class Recipe:
     cost_decades: tuple[float, float] = (0.0, 0.0)
     """the whole cost is multiplied by one such number"""
     unit_decades: float = 0.0
-    """each state and input is told in a unit within so many decades of its own, either way"""
+    """each state and input is given in a unit within so many decades of its own, either way"""
 
 
 _PLAIN = Recipe()

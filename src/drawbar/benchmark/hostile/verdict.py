@@ -33,7 +33,7 @@ class Verdict(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Answer:
-    """What a solver says."""
+    """What a solver reports."""
 
     claim: Verdict
     """SOLVED, INFEASIBLE or GIVEN_UP"""

@@ -1,4 +1,4 @@
-"""Base of every peer: a solver of stage problems of one structure that tells how long it took."""
+"""Base of every peer: a solver of stage problems of one structure that reports how long it took."""
 
 import ctypes
 from abc import ABC, abstractmethod
@@ -19,7 +19,7 @@ from drawbar.optimal.stage_problem import StageProblem
 
 
 class MissingPeerError(DrawbarError):
-    """A peer is not on this machine; says why."""
+    """A peer is not on this machine, and why."""
 
 
 class Peer(ABC):

@@ -35,7 +35,7 @@ class Race:
     """All peers on the problems of one structure."""
 
     def __init__(self, *, free_initial: bool) -> None:
-        """Say whether the first state is a variable; peers are made when the first problem comes."""
+        """Take whether the first state is a variable; peers are made when the first problem comes."""
         self._free_initial = free_initial
         self._peers: list[Peer] | None = None
         self.times: dict[str, Times] = {}

@@ -1,4 +1,4 @@
-"""Families of problems of the benchmark: three, made from what its generators and the papers behind them say.
+"""Families of problems of the benchmark: three, made as in its generators and the papers behind them.
 
 LIPMWALK: a biped's point mass at constant height, moved by jerk, whose zero-moment point stays in its footholds
 (Wieber 2006; Caron et al. 2019). WHLIPBAL: a balancing pendulum on wheels (Caron et al. 2023). QUADCMPC: forces of a

@@ -38,8 +38,8 @@ def cost(problem: StageProblem, z: Floats) -> float:
 def stationarity(problem: StageProblem, z: Floats) -> float:
     """Return the part of the gradient at a point (NZ,) that no active bound explains, relative to the gradient's terms.
 
-    The inputs' gradient, with the states eliminated, is told as well as can be by multipliers of the right signs; no
-    solver's own multipliers are asked. Bounds are hard.
+    The inputs' gradient, with the states eliminated, is explained as well as possible by multipliers of the right
+    signs; no solver's own multipliers are asked. Bounds are hard.
     """
     T, _ = problem.reach()
     size = sizes_by_kind(problem, z)

@@ -64,6 +64,6 @@ def _of_estimate(body: str, signs: dict[str, Floats]) -> dict[str, Floats]:
 
 
 def _merged(names: Sequence[str], pushes: Sequence[dict[str, Floats]]) -> Floats:
-    """Return (_PUSH, len(names)): of each name the signs of the first push that knows it, or none."""
+    """Return (_PUSH, len(names)): of each name the signs of the first push that has it, or none."""
     known = {name: signs for push in reversed(pushes) for name, signs in push.items()}
     return np.stack([known.get(name, np.zeros(_PUSH)) for name in names], axis=1)

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from drawbar.control.settings import BodyTubeSettings
 from drawbar.control.tube.bounds import TightenedBound
-from drawbar.control.tube.error_model import WORK_POINT
+from drawbar.control.tube.error_model import OPERATING_POINT
 
 _SECTIONS = ("disturbances", "estimation", "increments")
 
@@ -12,7 +12,7 @@ _SECTIONS = ("disturbances", "estimation", "increments")
 def advice(
     body: str, bound: TightenedBound, settings: BodyTubeSettings, left: Callable[[BodyTubeSettings], float]
 ) -> str:
-    """Say by how much a bound is overdrawn and what would leave something of it.
+    """Return by how much a bound is overdrawn and what would leave something of it.
 
     Args:
         body: tractor or trailer.
@@ -25,9 +25,12 @@ def advice(
         f"The tube of the {body} leaves nothing of the {bound.name} bound: {bound.reach:.4g} {unit} less "
         f"{taken:.4g} {unit}."
     )
-    spread = bound.contributions.get(WORK_POINT, 0.0)
+    spread = bound.contributions.get(OPERATING_POINT, 0.0)
     if spread > 0.5 * taken:
-        start += f" Of that, {spread:.4g} {unit} answer for the spread of tube.work: narrow it, or give a faster gain."
+        start += (
+            f" Of that, {spread:.4g} {unit} are due to the spread of tube.operating_range: narrow it, or give a faster "
+            "gain."
+        )
     from scipy.optimize import brentq  # takes long to import, and is rarely needed
 
     without = {

@@ -1,7 +1,8 @@
-"""Bodies: error models and limits of both, on the product's models and on the paper's, over their work ranges.
+"""Bodies: error models and limits of both, on the product's models and on the paper's, over their operating ranges.
 
-The work points are the corners of the ranges of speed, slip, steering and curvature, after their middle on a straight
-line. Curves to the right are left out: they mirror those to the left, and all sets here are symmetric.
+The first operating point is the middle of the ranges on a straight line, the others are the corners of the ranges of
+speed, slip, steering and curvature. Curves to the right are left out: they mirror those to the left, and all sets here
+are symmetric.
 """
 
 import math
@@ -12,9 +13,9 @@ from itertools import product
 import casadi as ca
 import numpy as np
 
-from drawbar.control.settings import TubeWorkRange
+from drawbar.control.settings import TubeOperatingRange
 from drawbar.control.tube.error_model import ErrorModel, Limit
-from drawbar.control.tube.linearisation import CommandedModel, WorkPoint, linearised
+from drawbar.control.tube.linearisation import CommandedModel, OperatingPoint, linearised
 from drawbar.errors import TubeError
 from drawbar.vehicle.articulated import articulated_tractor, articulated_trailer
 from drawbar.vehicle.model import Model, by_name
@@ -23,11 +24,11 @@ from drawbar.vehicle.tricycle import tricycle_tractor, tricycle_trailer
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Work:
-    """What the vehicle does when its errors are looked at: its set speed, and the ranges that are allowed for."""
+class OperatingConditions:
+    """Where the errors are linearised: the vehicle, its set speed, and the ranges that are allowed for."""
 
     vehicle: VehicleParameters
-    ranges: TubeWorkRange
+    ranges: TubeOperatingRange
     speed: float
     """m/s"""
     sample_time: float
@@ -44,93 +45,95 @@ class Body:
     """as many disturbances as states, which together can explain any error after one sample"""
 
 
-def articulated_tractor_body(work: Work, falling_short: float) -> Body:
+def articulated_tractor_body(conditions: OperatingConditions, falling_short: float) -> Body:
     """Return the errors (lateral, yaw, steering) of the product's tractor under its steering command.
 
     Args:
-        work: what it does.
+        conditions: where the errors are linearised.
         falling_short: declared disturbance of the steering rate, rad/s.
     """
-    vehicle, limit = work.vehicle, work.vehicle.tractor_steering_limit
+    vehicle, limit = conditions.vehicle, conditions.vehicle.tractor_steering_limit
     declared = articulated_tractor(vehicle)
     commanded = _lagging(declared, {"lateral": "y", "yaw": "yaw", "steering": "steering"}, vehicle.steering_lag)
     points = [
-        WorkPoint(
+        OperatingPoint(
             states={"steering": steering},
-            parameters={"longitudinal_slip": pace, "tractor_slip": slip, "speed": work.speed},
+            parameters={"longitudinal_slip": pace, "tractor_slip": slip, "speed": conditions.speed},
             command=steering,
         )
-        for pace, slip, steering in _corners((work.ranges.speed, work.ranges.tractor_slip), (0.0, limit))
+        for pace, slip, steering in _corners((conditions.ranges.speed, conditions.ranges.tractor_slip), (0.0, limit))
     ]
-    model = linearised(commanded, points, work.sample_time)
+    model = linearised(commanded, points, conditions.sample_time)
     return Body(
         model=model,
-        limits=_lagging_limits(work, model, limit, vehicle.tractor_steering_rate, falling_short),
+        limits=_lagging_limits(conditions, model, limit, vehicle.tractor_steering_rate, falling_short),
         explaining=("tractor_crab", "steering_offset", "steering_rate"),
     )
 
 
-def articulated_trailer_body(work: Work, falling_short: float) -> Body:
+def articulated_trailer_body(conditions: OperatingConditions, falling_short: float) -> Body:
     """Return the errors (articulation, steering) of the product's trailer under its command; as the tractor's."""
-    vehicle, limit = work.vehicle, work.vehicle.trailer_steering_limit
+    vehicle, limit = conditions.vehicle, conditions.vehicle.trailer_steering_limit
     declared, sign = articulated_trailer(vehicle), vehicle.joint_sign
     names = {"articulation": "articulation", "steering": "steering"}
     points = [
-        WorkPoint(
+        OperatingPoint(
             states={"articulation": steady_articulation(vehicle, curvature, joint), "steering": joint},
             parameters={
                 "longitudinal_slip": pace,
-                "speed": work.speed,
-                "tractor_yaw_rate": pace * work.speed * curvature,
+                "speed": conditions.speed,
+                "tractor_yaw_rate": pace * conditions.speed * curvature,
             },
             command=sign * joint,
         )
         for pace, curvature, joint in _corners(
-            (work.ranges.speed,), (0.0, vehicle.curvature_limit), (0.0, limit, -limit)
+            (conditions.ranges.speed,), (0.0, vehicle.curvature_limit), (0.0, limit, -limit)
         )
     ]
-    model = linearised(_lagging(declared, names, vehicle.steering_lag, sign), points, work.sample_time)
+    model = linearised(_lagging(declared, names, vehicle.steering_lag, sign), points, conditions.sample_time)
     return Body(
         model=model,
-        limits=_lagging_limits(work, model, limit, vehicle.trailer_steering_rate, falling_short),
+        limits=_lagging_limits(conditions, model, limit, vehicle.trailer_steering_rate, falling_short),
         explaining=("tractor_yaw_rate", "steering_rate"),
     )
 
 
-def tricycle_tractor_body(work: Work) -> Body:
+def tricycle_tractor_body(conditions: OperatingConditions) -> Body:
     """Return the errors (lateral, yaw) of the paper's tractor; its input is the steering angle itself."""
-    limit = work.vehicle.tractor_steering_limit
+    limit = conditions.vehicle.tractor_steering_limit
     points = [
-        WorkPoint(
+        OperatingPoint(
             states={},
-            parameters={"longitudinal_slip": pace, "tractor_slip": slip, "speed": work.speed},
+            parameters={"longitudinal_slip": pace, "tractor_slip": slip, "speed": conditions.speed},
             command=steering,
         )
-        for pace, slip, steering in _corners((work.ranges.speed, work.ranges.tractor_slip), (0.0, limit))
+        for pace, slip, steering in _corners((conditions.ranges.speed, conditions.ranges.tractor_slip), (0.0, limit))
     ]
-    model = linearised(_direct(tricycle_tractor(work.vehicle)), points, work.sample_time)
+    model = linearised(_direct(tricycle_tractor(conditions.vehicle)), points, conditions.sample_time)
     return Body(model=model, limits=(_command_limit(model, limit),), explaining=("lateral_rate", "yaw_rate"))
 
 
-def tricycle_trailer_body(work: Work) -> Body:
+def tricycle_trailer_body(conditions: OperatingConditions) -> Body:
     """Return the errors (lateral, yaw) of the paper's trailer; g_2 is a disturbance, so its model goes without it."""
-    vehicle, steering_limit = work.vehicle, work.vehicle.trailer_steering_limit
+    vehicle, steering_limit = conditions.vehicle, conditions.vehicle.trailer_steering_limit
     points = [
-        WorkPoint(
+        OperatingPoint(
             states={},
             parameters={
                 "longitudinal_slip": pace,
                 "trailer_slip": slip,
                 "hitch_angle": steady_articulation(vehicle, curvature, 0.0) - slip * steering,
-                "speed": work.speed,
+                "speed": conditions.speed,
             },
             command=steering,
         )
         for pace, slip, curvature, steering in _corners(
-            (work.ranges.speed, work.ranges.trailer_slip), (0.0, vehicle.curvature_limit), (0.0, steering_limit)
+            (conditions.ranges.speed, conditions.ranges.trailer_slip),
+            (0.0, vehicle.curvature_limit),
+            (0.0, steering_limit),
         )
     ]
-    model = linearised(_direct(tricycle_trailer(vehicle)), points, work.sample_time)
+    model = linearised(_direct(tricycle_trailer(vehicle)), points, conditions.sample_time)
     limit = _command_limit(model, steering_limit)
     return Body(model=model, limits=(limit,), explaining=("lateral_rate", "coupling"))
 
@@ -178,15 +181,15 @@ def _command_limit(model: ErrorModel, limit: float) -> Limit:
     return Limit(name="command", unit="rad", value=limit, reach=limit, state=np.zeros(n), command=1.0)
 
 
-def falling_short_by(body: Body, work: Work, falling_short: float) -> Body:
+def falling_short_by(body: Body, conditions: OperatingConditions, falling_short: float) -> Body:
     """Return a body of the articulated model with another declared disturbance of its steering rate, rad/s."""
     *others, rate = body.limits
-    reach = followed_rate(rate.value, falling_short, work.vehicle.steering_lag, work.sample_time)
+    reach = followed_rate(rate.value, falling_short, conditions.vehicle.steering_lag, conditions.sample_time)
     return replace(body, limits=(*others, replace(rate, reach=reach)))
 
 
 def _lagging_limits(
-    work: Work, model: ErrorModel, limit: float, rate: float, falling_short: float
+    conditions: OperatingConditions, model: ErrorModel, limit: float, rate: float, falling_short: float
 ) -> tuple[Limit, ...]:
     """Return the limits of command, steering angle and steering rate, the mean rate over a sample."""
     steering = np.eye(len(model.states))[-1]
@@ -199,9 +202,9 @@ def _lagging_limits(
             name="steering_rate",
             unit="rad/s",
             value=rate,
-            reach=followed_rate(rate, falling_short, work.vehicle.steering_lag, work.sample_time),
-            state=(model.A[0, -1] - steering) / work.sample_time,
-            command=float(model.B[0, -1]) / work.sample_time,
+            reach=followed_rate(rate, falling_short, conditions.vehicle.steering_lag, conditions.sample_time),
+            state=(model.A[0, -1] - steering) / conditions.sample_time,
+            command=float(model.B[0, -1]) / conditions.sample_time,
         ),
     )
 

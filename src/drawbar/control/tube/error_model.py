@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from drawbar.geometry import Floats
 
-WORK_POINT = "work point"
-"""Name of the source that is not declared but follows from the ranges of the work points."""
+OPERATING_POINT = "operating point"
+"""Name of the source that is not declared but follows from the ranges of the operating points."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -21,8 +21,8 @@ class Source:
     bound: float
     """largest magnitude, in the unit"""
     generators: Floats
-    """(v, g, n): per unit of the bound. The set is the convex hull, over the v work points, of the zonotopes that g
-    segments from -row to +row sum up to"""
+    """(v, g, n): per unit of the bound. The set is the convex hull, over the v operating points, of the zonotopes that
+    g segments from -row to +row sum up to"""
 
     def support(self, directions: Floats) -> Floats:
         """Return max a·w over the set for directions a (..., n): (...,)."""
@@ -37,7 +37,7 @@ class Source:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ErrorModel:
-    """e+ = A e + B (u - ū) + G w at v work points, the first of which is the nominal one; u is the command, rad."""
+    """e+ = A e + B (u - ū) + G w at v operating points, the first of them the nominal one; u is the command, rad."""
 
     states: tuple[str, ...]
     """names of the n errors"""

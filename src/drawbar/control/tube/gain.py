@@ -1,4 +1,4 @@
-"""The gain K of an ancillary law: given, or of the discrete linear quadratic regulator at the nominal work point."""
+"""The gain K of an ancillary law: given, or of the discrete LQR at the nominal operating point."""
 
 from collections.abc import Iterable
 
@@ -57,7 +57,7 @@ def check_names(section: str, given: Iterable[str], known: tuple[str, ...]) -> N
     """Refuse names that the model of this body does not have.
 
     Raises:
-        ConfigurationError: says which, and which there are.
+        ConfigurationError: names which, and which there are.
     """
     unknown = [name for name in given if name not in known]
     if unknown:

@@ -58,7 +58,7 @@ def initial_choice(tube: SubsystemTube) -> Floats:
             "bounds of both bodies; declare them, or use another nominal state"
         )
     powers = inside.powers[:_TERMS]
-    # of the hull over the work points the first point's zonotope is inside
+    # of the hull over the operating points the first point's zonotope is inside
     segments = [source.bound * np.einsum("kij,gj->kgi", powers, source.generators[0]) for source in inside.sources]
     stacked = np.concatenate([each.reshape(-1, len(inside.bounded)) for each in segments])
     axes = np.eye(len(tube.gain))[inside.bounded]

@@ -15,7 +15,7 @@ from drawbar.control.settings import (
     TricycleControllerSettings,
     TubeSettings,
 )
-from drawbar.control.tube.bodies import Body, Work, falling_short_by
+from drawbar.control.tube.bodies import Body, OperatingConditions, falling_short_by
 from drawbar.control.tube.tube import bodies_of, tube_of
 from drawbar.errors import TubeError
 
@@ -29,7 +29,9 @@ _SHARES = tuple(0.8**i for i in range(1, 11))
 
 
 def with_kept_rates(
-    controller: ArticulatedControllerSettings | TricycleControllerSettings, work: Work, tube: TubeSettings
+    controller: ArticulatedControllerSettings | TricycleControllerSettings,
+    conditions: OperatingConditions,
+    tube: TubeSettings,
 ) -> TubeSettings:
     """Return the tube's settings with disturbances of the steering rates that leave what shall be kept of them.
 
@@ -39,40 +41,46 @@ def with_kept_rates(
     if isinstance(controller, TricycleControllerSettings):
         return tube
     try:
-        return _with_kept(controller, work, tube)
+        return _with_kept(controller, conditions, tube)
     except TubeError as error:
-        raise TubeError(f"{error}{_often_enough(controller, work, tube)}") from error
+        raise TubeError(f"{error}{_often_enough(controller, conditions, tube)}") from error
 
 
-def _often_enough(controller: ArticulatedControllerSettings, work: Work, tube: TubeSettings) -> str:
-    """Say with which sample time it could be done at this speed, "" where none of those tried suffices."""
+def _often_enough(
+    controller: ArticulatedControllerSettings, conditions: OperatingConditions, tube: TubeSettings
+) -> str:
+    """Return with which sample time it could be done at this speed, "" where none of those tried suffices."""
     for share in _SHARES:
-        tried = float(f"{share * work.sample_time:.2g}")
+        tried = float(f"{share * conditions.sample_time:.2g}")
         try:
-            _with_kept(controller, replace(work, sample_time=tried), tube)
+            _with_kept(controller, replace(conditions, sample_time=tried), tube)
         except TubeError:
             continue
         return f"; at this speed sample_time = {tried:g} s is short enough"
     return ""
 
 
-def _with_kept(controller: ArticulatedControllerSettings, work: Work, tube: TubeSettings) -> TubeSettings:
-    tractor, trailer = bodies_of(controller, work, tube)
+def _with_kept(
+    controller: ArticulatedControllerSettings, conditions: OperatingConditions, tube: TubeSettings
+) -> TubeSettings:
+    tractor, trailer = bodies_of(controller, conditions, tube)
     return tube.model_copy(
         update={
-            "tractor": _kept("tractor", tractor, work, tube.tractor, tube.nominal),
-            "trailer": _kept("trailer", trailer, work, tube.trailer, tube.nominal),
+            "tractor": _kept("tractor", tractor, conditions, tube.tractor, tube.nominal),
+            "trailer": _kept("trailer", trailer, conditions, tube.trailer, tube.nominal),
         }
     )
 
 
-def _kept(name: str, body: Body, work: Work, settings: BodyTubeSettings, nominal: Nominal) -> BodyTubeSettings:
+def _kept(
+    name: str, body: Body, conditions: OperatingConditions, settings: BodyTubeSettings, nominal: Nominal
+) -> BodyTubeSettings:
     """Return the settings of one body's tube, its steering rate disturbed by as much as leaves what is kept."""
     declared, rate = settings.disturbances.get(_RATE, 0.0), body.limits[-1].value
 
     def left(falling_short: float) -> tuple[float, float]:
         """Return what is left of the rate beyond what is kept, and of the bound of which least is left."""
-        slow = falling_short_by(body, work, falling_short)
+        slow = falling_short_by(body, conditions, falling_short)
         bounds = tube_of(name, slow, _falling_short(settings, falling_short), nominal).bounds
         others = min(bound.tightened for quantity, bound in bounds.items() if quantity != _RATE)
         return bounds[_RATE].tightened - settings.kept_rate * rate, others
@@ -84,10 +92,11 @@ def _kept(name: str, body: Body, work: Work, settings: BodyTubeSettings, nominal
     enough = next((size for size in tries if min(left(size)) >= 0.0), None)
     if enough is None:
         raise TubeError(
-            f"from one sample to the next (sample_time = {work.sample_time:g} s, at speed = {work.speed:g} m/s "
-            f"{work.speed * work.sample_time:.2g} m) errors of the {name} may grow so much that steering against them "
-            f"leaves less of its steering rate, {rate:.3g} rad/s, than plans need (tube.{name}.kept_rate = "
-            f"{settings.kept_rate:g}); lower sample_time or speed, or the gain in tube.{name}"
+            f"from one sample to the next (sample_time = {conditions.sample_time:g} s, at speed = "
+            f"{conditions.speed:g} m/s {conditions.speed * conditions.sample_time:.2g} m) errors of the {name} may "
+            f"grow so much that steering against them leaves less of its steering rate, {rate:.3g} rad/s, than plans "
+            f"need (tube.{name}.kept_rate = {settings.kept_rate:g}); lower sample_time or speed, or the gain in "
+            f"tube.{name}"
         )
     little = declared
     while enough - little > _EXACT * enough:

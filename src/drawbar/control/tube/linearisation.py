@@ -1,7 +1,7 @@
 """Error models from declared vehicle models: Jacobians by CasADi, discretised exactly for what is held over a sample.
 
 The sources of disturbance are the model's own parameters, each as the error of what the nominal model assumes for the
-sample, and one additive rate for each state for all that no parameter can say.
+sample, and one additive rate for each state for all that no parameter can describe.
 """
 
 import math
@@ -34,7 +34,7 @@ class CommandedModel:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class WorkPoint:
+class OperatingPoint:
     """Where to linearise; what is not named is zero."""
 
     states: Mapping[str, float]
@@ -42,8 +42,8 @@ class WorkPoint:
     command: float
 
 
-def linearised(commanded: CommandedModel, points: Sequence[WorkPoint], sample_time: float) -> ErrorModel:
-    """Return the error model over one sample (s) at the work points, in the frame of a nominal heading of zero."""
+def linearised(commanded: CommandedModel, points: Sequence[OperatingPoint], sample_time: float) -> ErrorModel:
+    """Return the error model over one sample (s) at the operating points, in the frame of a nominal heading of zero."""
     model, jacobians = commanded.model, _jacobians(commanded)
     n, known = len(commanded.errors), len(model.parameters)
     system = _discretised(np.array([_at(jacobians, model, point) for point in points]), sample_time)
@@ -74,8 +74,8 @@ def _jacobians(commanded: CommandedModel) -> ca.Function:
     return ca.Function("jacobians", [model.x, commanded.command, model.p], with_values([together], model.constants))
 
 
-def _at(jacobians: ca.Function, model: Model, point: WorkPoint) -> Floats:
-    """Return the jacobians (n, n + 1 + np) at a work point, and unit columns for the additive rates."""
+def _at(jacobians: ca.Function, model: Model, point: OperatingPoint) -> Floats:
+    """Return the jacobians (n, n + 1 + np) at an operating point, and unit columns for the additive rates."""
     x = [point.states.get(state.name, 0.0) for state in model.states]
     p = [point.parameters.get(parameter.name, 0.0) for parameter in model.parameters]
     continuous = np.array(jacobians(x, point.command, p))

@@ -1,9 +1,9 @@
-"""Sources of an error model, from declared bounds: disturbances, errors of the estimate, the work point.
+"""Sources of an error model, from declared bounds: disturbances, errors of the estimate, the operating point.
 
-The work point's share is the disturbance (A_v - A) e by which the closed loop at any work point v differs from A in
-their middle, for e in the set itself. It is enclosed in a box of additive rates. Sets of a sum are sums of sets, so the
-half-widths m of the box are the smallest solution of m = max over v of what m and all other sources make of it, which
-iteration from zero approaches from below.
+The operating point's share is the disturbance (A_v - A) e by which the closed loop at any operating point v differs
+from A in their middle, for e in the set itself. It is enclosed in a box of additive rates. Sets of a sum are sums of
+sets, so the half-widths m of the box are the smallest solution of m = max over v of what m and all other sources make
+of it, which iteration from zero approaches from below.
 """
 
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ import numpy as np
 
 from drawbar.control.matrix_equations import spectral_radius
 from drawbar.control.settings import BodyTubeSettings, Nominal
-from drawbar.control.tube.error_model import WORK_POINT, ErrorModel, Source
+from drawbar.control.tube.error_model import OPERATING_POINT, ErrorModel, Source
 from drawbar.control.tube.gain import check_names
 from drawbar.control.tube.invariant_set import SLOWEST, Indices, InvariantSet
 from drawbar.errors import TubeError
@@ -20,7 +20,7 @@ from drawbar.geometry import Floats
 
 _CONVERGED = 1e-12
 _HOPELESS = 1e6
-"""Growth of the work point's share, beside what it answers, from which on it has no end."""
+"""Growth of the operating point's share, beside what it answers, from which on it has no end."""
 
 
 def declared_sources(
@@ -65,7 +65,7 @@ def _innovation(model: ErrorModel, settings: BodyTubeSettings, i: int) -> Source
 
 
 def invariant_set(body: str, A: Floats, rates: Floats, sources: Sequence[Source], bounded: Indices) -> InvariantSet:
-    """Return the set that e+ = A_v e + w never leaves at any of the work points v, nor between them.
+    """Return the set that e+ = A_v e + w never leaves at any of the operating points v, nor between them.
 
     Args:
         body: tractor or trailer, for messages.
@@ -75,14 +75,14 @@ def invariant_set(body: str, A: Floats, rates: Floats, sources: Sequence[Source]
         bounded: (b,) indices of the coordinates along which the set is bounded.
 
     Raises:
-        TubeError: the work points lie so far apart that no bound of their share supports itself.
+        TubeError: the operating points lie so far apart that no bound of their share supports itself.
     """
     loops, basis = A[:, bounded][:, :, bounded], rates[np.ix_(bounded, bounded)].T
     middle = 0.5 * (loops.max(axis=0) + loops.min(axis=0))
     if not spectral_radius(middle) < SLOWEST:
         raise _unsupported(body)
     kept = [source.within(bounded) for source in sources]
-    # rows: half-widths that the work point v asks for, as directions of e
+    # rows: half-widths that the operating point v asks for, as directions of e
     asked = np.linalg.solve(basis.T, loops - middle)
     units = [_work_point(row[None]) for row in basis]
     parts = InvariantSet.of(middle, (*kept, *units), np.arange(len(bounded))).contributions(
@@ -94,7 +94,7 @@ def invariant_set(body: str, A: Floats, rates: Floats, sources: Sequence[Source]
 
 
 def _work_point(segments: Floats) -> Source:
-    return Source(name=WORK_POINT, unit="", bound=1.0, generators=segments[None])
+    return Source(name=OPERATING_POINT, unit="", bound=1.0, generators=segments[None])
 
 
 def _self_consistent(body: str, own: Floats, others: Floats) -> Floats:
@@ -110,7 +110,7 @@ def _self_consistent(body: str, own: Floats, others: Floats) -> Floats:
 
 def _unsupported(body: str) -> TubeError:
     return TubeError(
-        f"the errors of the {body} have no bounds: while its speed, slip and steering change within tube.work, they "
-        f"may grow by more from one sample to the next than the gain in tube.{body} takes back; lower sample_time or "
-        f"speed, narrow the ranges, or give a gain that lets errors decay faster"
+        f"the errors of the {body} have no bounds: while its speed, slip and steering change within "
+        f"tube.operating_range, they may grow by more from one sample to the next than the gain in tube.{body} takes "
+        f"back; lower sample_time or speed, narrow the ranges, or give a gain that lets errors decay faster"
     )

@@ -28,7 +28,7 @@ from drawbar.control.settings import (
 )
 from drawbar.control.tube import bodies
 from drawbar.control.tube.advice import advice
-from drawbar.control.tube.bodies import Body, Work
+from drawbar.control.tube.bodies import Body, OperatingConditions
 from drawbar.control.tube.bounds import TightenedBound, tightened_bounds
 from drawbar.control.tube.error_model import ErrorModel, Source
 from drawbar.control.tube.gain import gain_of
@@ -94,8 +94,8 @@ def tubes_of(
         ConfigurationError: a gain or declared bound belongs to none of the model's states or disturbances.
         TubeError: an error that is steered has no invariant set, or nothing is left of a bound.
     """
-    work = Work(vehicle=vehicle, ranges=tube.work, speed=speed, sample_time=sample_time)
-    tractor, trailer = bodies_of(controller, work, tube)
+    conditions = OperatingConditions(vehicle=vehicle, ranges=tube.operating_range, speed=speed, sample_time=sample_time)
+    tractor, trailer = bodies_of(controller, conditions, tube)
     tubes = Tubes(
         tractor=tube_of("tractor", tractor, tube.tractor, tube.nominal),
         trailer=tube_of("trailer", trailer, tube.trailer, tube.nominal),
@@ -128,13 +128,15 @@ def overdrawn_bounds(name: str, body: Body, settings: BodyTubeSettings, tube: Su
 
 
 def bodies_of(
-    controller: ArticulatedControllerSettings | TricycleControllerSettings, work: Work, tube: TubeSettings
+    controller: ArticulatedControllerSettings | TricycleControllerSettings,
+    conditions: OperatingConditions,
+    tube: TubeSettings,
 ) -> tuple[Body, Body]:
     """Return the tractor and the trailer as this controller's models see them."""
     if isinstance(controller, TricycleControllerSettings):
-        return bodies.tricycle_tractor_body(work), bodies.tricycle_trailer_body(work)
+        return bodies.tricycle_tractor_body(conditions), bodies.tricycle_trailer_body(conditions)
     slack = [settings.disturbances.get("steering_rate", 0.0) for settings in (tube.tractor, tube.trailer)]
-    return bodies.articulated_tractor_body(work, slack[0]), bodies.articulated_trailer_body(work, slack[1])
+    return bodies.articulated_tractor_body(conditions, slack[0]), bodies.articulated_trailer_body(conditions, slack[1])
 
 
 def tube_of(name: str, body: Body, settings: BodyTubeSettings, nominal: Nominal) -> SubsystemTube:
@@ -185,13 +187,13 @@ def _dependence(body: Body, gain: Floats, nominal: Nominal) -> tuple[Floats, Flo
 
 
 def closed_loop(model: ErrorModel, gain: Floats, nominal: Nominal) -> Floats:
-    """Return what becomes of e^ over a sample at every work point, (v, n, n)."""
+    """Return what becomes of e^ over a sample at every operating point, (v, n, n)."""
     fed_back = model.B[:, :, None] * gain
     return fed_back if nominal is Nominal.PREDICTED else model.A + fed_back
 
 
 def bounded_coordinates(name: str, model: ErrorModel, A: Floats) -> Indices:
-    """Return the largest set of coordinates (m,) that depend on nothing else and decay, at all work points A (v, n, n).
+    """Return the largest set of coordinates (m,) that depend on nothing else and decay, at all points A (v, n, n).
 
     An error that no feedback brings back, the lateral one under a gain on yaw alone, has no bound; what does not depend
     on it may still have one.

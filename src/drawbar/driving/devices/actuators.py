@@ -31,7 +31,7 @@ def board_wires(
 
     Args:
         boards: their settings.
-        clock: of what they say, s.
+        clock: of what they send, s.
         listens: open sockets that receive from the boards, and send nothing.
         sentences: path to hand the boards' sentences to, for receivers on them; empty: there are none.
 
@@ -86,7 +86,7 @@ def isobus_wire(settings: IsobusSettings, speed_limit: float | None, bus: CanBus
 
 
 def listened(wire: Wire) -> Wire:
-    """Return a wire on which nothing is said: its steerings are listened to, and there is nothing to drive with."""
+    """Return a wire on which nothing is sent: its steerings are listened to, and there is nothing to drive with."""
     return Wire(
         transport=wire.transport,
         tractor=ListenedSteering(wire.tractor) if wire.tractor else None,
@@ -95,7 +95,7 @@ def listened(wire: Wire) -> Wire:
 
 
 def gate_wires(options: GateOptions) -> list[Wire]:
-    """Open the transports of all actuators that the gate is told of, of a shadow only to listen.
+    """Open the transports of all actuators that the gate gets, of a shadow only to listen.
 
     Raises:
         HardwareError: a port is taken.

@@ -59,7 +59,7 @@ def _places(devices: DeviceSettings) -> Mapping[str, bool]:
 
 
 def driver_socket(devices: DeviceSettings, pace: int) -> str:
-    """Return the address at which the driver of a stand-in of devices is told what the gate does."""
+    """Return the address to which the gate's states are sent for the driver of a stand-in of devices."""
     name = hashlib.sha256(devices.model_dump_json().encode()).hexdigest()[:32]
     return f"\0drawbar-stand-in-{name}-{pace}"
 

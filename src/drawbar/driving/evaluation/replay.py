@@ -1,7 +1,7 @@
 """Replay of a drive: receivers, estimator and controllers once more, from the raw bytes that the log holds.
 
 Bytes go in with the stamps with which they came, and everything is done in the order in which it was done: the log says
-when the receivers were looked at, and what the controller took in before each step. What the gate said is taken over.
+when the receivers were looked at, and what the controller took in before each step. What the gate sent is taken over.
 """
 
 from collections import deque
@@ -62,7 +62,7 @@ def replay_drive(file: Path, changes: Sequence[str] = ()) -> Replay:
 
 
 def _fixes(records: Iterator[DriveRecord], configuration: Configuration, header: RunHeader) -> dict[int, Fixes]:
-    """Return what the receivers say, by sequence, from their bytes."""
+    """Return the receivers' messages, by sequence, from their bytes."""
     lines = {device.topic: MemoryTransport() for device in Device}
     navigation, found = _navigation(configuration, header, lines), dict[int, Fixes]()
     sound = takewhile(lambda record: not isinstance(record, Damage), records)
@@ -134,7 +134,7 @@ class _Recorded:
 
 
 class _Controller:
-    """The controller's process once more, doing what the log says that it did."""
+    """The controller's process once more, repeating what the log recorded."""
 
     def __init__(
         self, configuration: Configuration, header: RunHeader, recorded: _Recorded, comparison: Comparison

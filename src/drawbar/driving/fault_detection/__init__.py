@@ -1,1 +1,1 @@
-"""Fault detection: sensors that contradict the motion, and what the step is given instead of what they tell."""
+"""Fault detection: sensors that contradict the motion, and what the step is given instead of their values."""

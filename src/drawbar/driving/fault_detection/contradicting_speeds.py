@@ -1,9 +1,9 @@
 """Contradicting speeds: the wheels' speed is not that of the tractor's antenna, or falls faster than a vehicle stops.
 
 An encoder whose cable is cut reports standing wheels, and its report is not missing. Which of both is wrong is not
-known (a receiver may report knots), and positions tell more than either. The gate, which is told both, stops. Where no
-receiver reports, nothing else shows that the vehicle moves: without a speed its position is soon too unsure, and it is
-stopped.
+known (a receiver may report knots), and positions are more reliable than either. The gate, which receives both, stops.
+Where no receiver reports, nothing else shows that the vehicle moves: without a speed its position is soon too unsure,
+and it is stopped.
 """
 
 import math
@@ -15,7 +15,7 @@ from drawbar.nanoseconds import seconds
 _DIFFERENCE, _RATIO = 0.3, 1.5
 """where both are more, in m/s and as a ratio, one of them is wrong; slip makes less"""
 _HARD = 3.0
-"""deceleration beyond which wheels do not tell the vehicle's speed: their cable is cut, or they lock, m/s²"""
+"""deceleration beyond which wheels do not show the vehicle's speed: their cable is cut, or they lock, m/s²"""
 _REMEMBERED = 0.5
 """for which speeds of the wheels are compared with the newest, s"""
 

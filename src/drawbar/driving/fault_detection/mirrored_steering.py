@@ -25,7 +25,7 @@ _OLDEST = 0.3
 _LEAST_SPEED = 0.3
 """below which a velocity has no direction, m/s"""
 _SPREAD = math.radians(2.0)
-"""standard deviation of the predicted directions from which on they say anything, rad"""
+"""standard deviation of the predicted directions above which they are evidence, rad"""
 _NOISE = 0.02
 """least standard deviation of a direction at 1 m/s, rad"""
 _SURE, _SUSPECTED = 4.0, 2.2

@@ -1,8 +1,7 @@
 """Notices: faults of sensors for the operator, each a cause with its code, sentence and advice.
 
 The gate decides by the remaining measurements, and reports that a position is not known well enough, not which sensor
-has been left out, or why. A notice stays until the operator has acknowledged the stop that it led
-to.
+has been left out, or why. A notice stays until the operator has acknowledged the stop that it led to.
 """
 
 import math
@@ -46,10 +45,10 @@ _KEPT = frozenset(
 
 @dataclass(slots=True)
 class _Heard:
-    """When something was heard last, s."""
+    """When something was received last, s."""
 
     is_expected: bool = False
-    """also where it has never been heard"""
+    """also where it has never been received"""
     last: float = math.nan
     is_silent: bool = False
 
@@ -61,7 +60,7 @@ class _Heard:
 
 @dataclass(slots=True)
 class _Pairs:
-    """When each receiver was heard last, and both in one epoch, s."""
+    """When something was received from each receiver last, and from both in one epoch, s."""
 
     heard: list[float] = field(default_factory=lambda: [-math.inf, -math.inf])
     together: float = math.nan
@@ -73,7 +72,7 @@ class _Pairs:
 
     @property
     def never_come(self) -> bool:
-        """Whether both are heard, but for long never in one epoch: they do not mean the same instant by a time."""
+        """Whether both send, but for long never for one epoch: their time stamps disagree."""
         newest = max(self.heard)
         return newest - min(self.heard) <= _SILENT and newest - self.together > _UNPAIRED
 

@@ -28,7 +28,7 @@ _STEERED = (SupervisorState.ENGAGING, SupervisorState.ACTIVE, SupervisorState.DE
 
 
 class Controller:
-    """Feeds the autopilot, engaged or not, and says to the gate what it wants and how it is.
+    """Feeds the autopilot, engaged or not, and sends the gate its commands and state.
 
     While it is not engaged, it looks on: a run begins by itself wherever the vehicle comes near the path.
     """
@@ -237,7 +237,7 @@ class Controller:
     def _choose_line(self, offset: float, nudge: float) -> None:
         """Drive the line so far left of the configured one, m, and nudged.
 
-        Where that is not possible, the old one stays; `line_offset` of the controller's state says which is driven.
+        Where that is not possible, the old one stays; `line_offset` of the controller's state shows which is driven.
         """
         if (offset, nudge) == self._requested_line:
             return

@@ -32,7 +32,7 @@ def demand_slow_curves(path: Path, configuration: Configuration) -> None:
     """Refuse a path with a curve that is too tight for the set speed.
 
     Raises:
-        PathError: says which curve, what it needs, what the gate allows, and how fast it may be driven.
+        PathError: names which curve, what it needs, what the gate allows, and how fast it may be driven.
     """
     vehicle, speed, cap = configuration.vehicle, configuration.speed, _cap(configuration)
     places = np.arange(0.0, path.length, _STEP)

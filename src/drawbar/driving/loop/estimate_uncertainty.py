@@ -29,7 +29,7 @@ class Uncertainty:
 
 
 def uncertainty_of(autopilot: Autopilot, configuration: Configuration) -> Callable[[Estimate], Uncertainty]:
-    """Return what tells the uncertainty of the newest estimate; to be asked between the two phases of a step.
+    """Return what computes the uncertainty of the newest estimate; to be asked between the two phases of a step.
 
     Nothing is known with an estimator that keeps no covariance of the whole chain.
     """

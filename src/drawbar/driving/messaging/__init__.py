@@ -1,1 +1,1 @@
-"""Messaging: what the processes of a drive tell each other: options at their start, datagrams, heartbeats."""
+"""Messaging: what the processes of a drive send each other: options at their start, datagrams, heartbeats."""

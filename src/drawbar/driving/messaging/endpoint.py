@@ -72,7 +72,7 @@ class Endpoint:
             self._report_loss(path)
 
     def _report_loss(self, path: str) -> None:
-        """Say, once, that a reader does not keep up."""
+        """Print, once, that a reader does not keep up."""
         if not self._loss_reported:
             self._loss_reported = True
             names = os.path.basename(self._path), os.path.basename(path)

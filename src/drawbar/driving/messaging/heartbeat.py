@@ -1,4 +1,4 @@
-"""Heartbeat of a process: it tells the gate that it is alive, at 4 Hz."""
+"""Heartbeat of a process: it shows the gate that it is alive, at 4 Hz."""
 
 from drawbar.driving.messaging.endpoint import Endpoint
 from drawbar.message_records import encode
@@ -16,7 +16,7 @@ class HeartbeatSender:
         self._role, self._endpoint, self._gate = role, endpoint, gate
         self._sequence, self.due = 0, 0
         self.state = SupervisorState.BOOT
-        """of the gate, as this process knows it"""
+        """of the gate, as this process received it last"""
 
     def pass_time(self, now: int, *, healthy: bool = True) -> None:
         """Send what is due at a time, ns."""

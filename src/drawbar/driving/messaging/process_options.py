@@ -51,7 +51,7 @@ CONSOLE, GUARD, RECEIVERS, SENTENCES, BOARDS = "console", "guard", "receivers", 
 guard receives the boards' sockets from the gate"""
 SOCKETS = (GATE, CONTROLLER, RECORDER, FRONT_END, DRIVER, CONSOLE, GUARD, RECEIVERS, SENTENCES, BOARDS)
 OPTIONS_NAME = "options.json"
-"""in the folder of the sockets: what a console that is started later needs to know"""
+"""in the folder of the sockets: what a console that is started later needs"""
 
 
 class GateOptions(PacedOptions):

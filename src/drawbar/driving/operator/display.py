@@ -38,7 +38,7 @@ _UNKNOWN_WITHOUT_RECEIVER = _UNKNOWN_AWAY | {
     Cause.CORRECTIONS_LOST,
     Cause.OFF_LINE,
 }
-"""what stands against engaging wherever a receiver is not heard, or both never at one time"""
+"""what stands against engaging wherever no fixes come from a receiver, or never from both at one time"""
 _UNKNOWN_IN_SILENCE = _UNKNOWN_WITHOUT_RECEIVER | {Cause.COMMAND_EXPIRED, Cause.CONFIGURATION}
 """what stands against engaging wherever the controller is silent"""
 _LACKING_RECEIVER = {Cause.RECEIVER_SILENT.value, Cause.RECEIVER_TIMES.value}
@@ -62,7 +62,7 @@ KEYS = "e engage   space stop   r release   x emergency\na acknowledge   + - spe
 def picture(state: GateState | None, controller: ControllerState | None, refusal: Cause | None = None) -> Text:
     """Return the whole picture.
 
-    State, errors, what stands against engaging, what there is to tell of sensors, why the newest key was refused, keys.
+    State, errors, what stands against engaging, notices about sensors, why the newest key was refused, keys.
     """
     lines = [*_state(state, controller), *_numbers(state, controller)]
     lines += map(reason, refusals(state, controller) if state else ())
@@ -93,7 +93,7 @@ def _led(cause: Cause, controller: ControllerState | None) -> str:
 
 
 def is_beside_line(state: GateState | None, controller: ControllerState | None) -> bool:
-    """Return whether the controller knows where the vehicle is beside a line; past the line's end it does not."""
+    """Return whether the controller has the vehicle's place beside a line; past the line's end it has none."""
     if state is not None and state.state in STEERING:
         return True
     if controller is None or Status(controller.status).has_ended:
@@ -128,7 +128,7 @@ def refusals(state: GateState, controller: ControllerState | None) -> list[Cause
 
 
 def notices(controller: ControllerState | None, state: GateState | None) -> list[Cause]:
-    """Return what the controller reports of sensors, but for what the gate says itself."""
+    """Return what the controller reports of sensors, but for what the gate reports itself."""
     said = state.refusals if state else ()
     return [BY_CODE[code] for code in controller.notices if code in BY_CODE and code not in said] if controller else []
 
@@ -145,7 +145,7 @@ def _state(state: GateState | None, controller: ControllerState | None) -> Itera
 
 
 def stands(controller: ControllerState | None) -> bool:
-    """Return whether the vehicle is known to stand: wheels, without them the receiver, say so."""
+    """Return whether the vehicle is known to stand, by its wheels, without them by the receiver."""
     if controller is None:
         return False
     wheels = controller.wheel_speed
@@ -166,7 +166,7 @@ def _numbers(state: GateState | None, controller: ControllerState | None) -> Ite
 
 
 def _side(error: float) -> str:
-    """Return a distance from the line as people say it."""
+    """Return a distance from the line in words."""
     if not math.isfinite(error):
         return "not known"
     centimetres = round(abs(error) * 100.0)

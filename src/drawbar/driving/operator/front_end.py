@@ -37,7 +37,7 @@ _MOST_KEYS = 64
 class Keyboard:
     """Single keys of a terminal, as a context; nothing where standard input is no terminal.
 
-    `is_gone`: the terminal was closed, and nobody is there; SIGHUP, which says so too, may be ignored.
+    `is_gone`: the terminal was closed, and nobody is there; its signal, SIGHUP, may be ignored.
     """
 
     def __enter__(self) -> Self:
@@ -98,7 +98,7 @@ class FrontEnd:
         )
 
     def wait(self, duration: float) -> None:
-        """Take in what comes within a time, s, and say that the operator is there."""
+        """Receive for a time, s, and report that the operator is there."""
         self._clock.wait([self._endpoint], duration)
         for data in self._endpoint.receive():
             message = decode(data, GateState, ControllerState)

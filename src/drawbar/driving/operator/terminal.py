@@ -1,6 +1,6 @@
 """Terminal: what the operator is shown of a drive, line by line, and below these a picture of how it is now.
 
-Where the console is no terminal, as in a service's journal, what the picture says against engaging and of sensors are
+Where the console is no terminal, as in a service's journal, what the picture shows against engaging and of sensors are
 lines as well.
 """
 
@@ -25,7 +25,7 @@ class Terminal:
     """Shows a drive while it is a context; the picture only where the console is a terminal."""
 
     def __init__(self, console: Console, processes: DriveProcesses, front: FrontEnd) -> None:
-        """Take where to show it, the processes and what is heard of them."""
+        """Take where to show it, the processes and what they send."""
         self._console, self._processes, self._front = console, processes, front
         self._live = Live(console=console, auto_refresh=False, transient=True) if console.is_terminal else None
         self._announced: SupervisorState | None = None
@@ -33,13 +33,13 @@ class Terminal:
         """that were printed since the newest state"""
         self._lost: list[str] = []
         self._said = len(processes.output())
-        """lines of the processes that were told, or written before"""
+        """lines of the processes that were shown, or written before"""
 
     def show(self) -> None:
         """Show how the drive is; a state that is new gets a line."""
         front = self._front
         if front.state is not None:
-            with suppress(OSError):  # a full disk, say, does not end a drive
+            with suppress(OSError):  # a full disk does not end a drive
                 self._tell(front.state)
         with suppress(OSError):
             self._tell_said()
@@ -47,7 +47,7 @@ class Terminal:
             self._live.update(picture(front.state, front.controller, front.refusal), refresh=True)
 
     def _tell_said(self) -> None:
-        """Print what the processes say, such as a caster's refusal; what one writes that fails is told as its end."""
+        """Print the lines of the processes, such as a caster's refusal; a failed one's are shown with its end."""
         lines = self._processes.output()
         for line in lines[self._said :]:
             if line.partition(": ")[0] in self._processes.by_name:
@@ -77,7 +77,7 @@ class Terminal:
         return causes + sensors
 
     def tell_losses(self) -> bool:
-        """Say which processes have ended; return whether the drive continues without them."""
+        """Show which processes have ended; return whether the drive continues without them."""
         lost, before = self._processes.ended(), self._lost
         self._lost = lost
         if not self._spared() >= set(lost):

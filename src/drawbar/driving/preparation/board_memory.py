@@ -1,7 +1,7 @@
-"""Memory of steer boards: what the configuration says of it is written there, on the operator's command, at standstill.
+"""Memory of steer boards: the configured settings are written there, on the operator's command, at standstill.
 
-A board neither confirms what it stores nor tells it; what is seen is that it answers again. Each write wears its memory
-out.
+A board neither confirms nor reports what it stores; all that shows is that it answers again. Each write wears its
+memory out.
 """
 
 import math
@@ -48,7 +48,7 @@ def _store(name: str, board: SteerBoardSettings) -> Finding:
 
 
 def _wheels(sensors: SensorBoardSettings) -> Finding | None:
-    """Return what the wheels' encoder tells of standing; None: there is no encoder, and the operator's word counts."""
+    """Return the finding of the wheels' encoder; None: there is no encoder, and the operator confirms standstill."""
     if sensors.pulses_per_metre is None:
         return None
     line = SensorLine(open_transport(sensors.transport), sensors)

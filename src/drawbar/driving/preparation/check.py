@@ -1,4 +1,4 @@
-"""Check: listens to every device of a configuration for a few seconds, and says what was received and what is missing.
+"""Check: listens to every device of a configuration for a few seconds, and reports what comes and what is missing.
 
 Nothing is moved: boards are scanned for, and boards and valves are sent "not steering", which makes boards answer.
 """
@@ -118,7 +118,7 @@ def _scan(boards: list[SteerBoardSettings], seconds: float) -> dict[str, ScanRep
     for listen in {board.listening for board in boards}:
         try:
             scan = BoardScan(listen, [board.destination for board in boards if board.listening == listen])
-        except HardwareError:  # listening to the boards themselves says why
+        except HardwareError:  # listening to the boards themselves shows why
             continue
         asked = 0.0
         for now in poll_times(seconds):
@@ -175,7 +175,7 @@ def listen_to_board(name: str, settings: SteerBoardSettings, seconds: float) -> 
 
 
 def _isobus(settings: IsobusSettings, seconds: float, *, drives: bool) -> Iterator[Finding]:
-    """Claim an address, say that nothing is intended, and listen to the valves and to the tractor."""
+    """Claim an address, send "not intended", and listen to the valves and to the tractor."""
     wire, now, tick = isobus_wire(settings, _SLOW if drives else None), 0.0, 0.0
     wires = Wires([wire])
     for now in poll_times(seconds):
@@ -186,7 +186,7 @@ def _isobus(settings: IsobusSettings, seconds: float, *, drives: bool) -> Iterat
     if wire.transport.trouble:
         problem = f"{wire.transport.trouble}: check the adapter, its bit rate and that its interface is up"
         yield Finding(device="ISOBUS", problems=[problem])
-    if not wire.transport.connected:  # nothing on it can be told apart
+    if not wire.transport.connected:  # its devices cannot be distinguished
         wires.close()
         return
     for name, report in zip(("tractor valve", "trailer valve"), wires.steering(now), strict=True):

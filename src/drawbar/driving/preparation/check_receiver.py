@@ -1,4 +1,4 @@
-"""Check of a receiver: its make and version, its rate, what it says, and whether two of them mean the same time."""
+"""Check of a receiver: its make and version, its rate, its report, and whether the time stamps of two of them agree."""
 
 import math
 from collections.abc import Iterable
@@ -26,12 +26,12 @@ from drawbar.transports.tapped import Direction, TappedTransport
 _ENOUGH = 0.95
 """of the epochs that the controller takes"""
 _STATIONS = frozenset(range(1, 4096))
-"""numbers of base stations; 0 is told as well where it is not known"""
+"""numbers of base stations; 0 is also sent where it is not known"""
 _UBX_KINDS = frozenset(name for name, _, _ in UBX.values())
 
 
 class _Versions:
-    """Hears a receiver's make and version among its bytes, and asks a u-blox receiver for them once."""
+    """Finds a receiver's make and version in its bytes, and asks a u-blox receiver for them once."""
 
     def __init__(self, transport: Transport) -> None:
         self.transport = TappedTransport(transport, self._receive)
@@ -59,7 +59,7 @@ def check_receiver(
     oldest: float,
     alone: bool = False,
 ) -> Finding:
-    """Return what a receiver says.
+    """Return what a receiver reports.
 
     Args:
         name: of the finding.
@@ -69,7 +69,7 @@ def check_receiver(
         sample_time: of the controller, s.
         corrections: that it is sent meanwhile; None: it has its own.
         oldest: corrections with which to engage, s.
-        alone: it is the only receiver, which has to tell a heading.
+        alone: it is the only receiver, which has to report a heading.
 
     Raises:
         DrawbarError: its transport cannot be opened.
@@ -147,7 +147,7 @@ def _unfit(last: Epoch, oldest: float) -> list[str]:
 
 
 def not_forwarded(settings: ReceiverSettings, devices: DeviceSettings) -> list[str]:
-    """Say if a receiver on an AgOpenGPS board is sent no corrections: it takes them at a UDP port of the board only."""
+    """Report if a receiver on an AgOpenGPS board, which takes corrections at a UDP port of the board, is sent none."""
     corrections = devices.corrections
     if corrections is None or settings not in devices.receivers_on_boards:
         return []
@@ -162,7 +162,7 @@ def not_forwarded(settings: ReceiverSettings, devices: DeviceSettings) -> list[s
 
 
 def other_time(tractor: Finding, trailer: Finding) -> list[str]:
-    """Say if two receivers do not mean the same instant by the same time, so that their epochs are never a pair."""
+    """Report if the time stamps of two receivers disagree, so that their epochs are never a pair."""
     apart = difference(trailer.clock % DAY, tractor.clock % DAY)
     if not abs(apart) > MOST_BEHIND:
         return []
@@ -173,7 +173,7 @@ def other_time(tractor: Finding, trailer: Finding) -> list[str]:
 
 
 def other_station(tractor: Finding, trailer: Finding) -> list[str]:
-    """Say if two receivers are corrected from different base stations."""
+    """Report if two receivers are corrected from different base stations."""
     stations = {tractor.station, trailer.station}
     if len(stations) == 1 or not stations <= _STATIONS:
         return []

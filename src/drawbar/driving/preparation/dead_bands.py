@@ -22,7 +22,7 @@ def dead_bands(states: Sequence[GateState]) -> Iterator[CalibrationResult]:
 
 
 def steered_time(states: Iterable[GateState]) -> float:
-    """Return for how long the states tell of steering, s."""
+    """Return for how long the states show steering, s."""
     steps = np.diff([1e-9 * state.time for state in states])
     return float(steps[steps <= _GAP].sum())
 

@@ -20,13 +20,13 @@ class Finding:
     device: str
     received: bool = False
     facts: list[str] = field(default_factory=list)
-    """what it said"""
+    """what it reported"""
     problems: list[str] = field(default_factory=list)
     """what is missing, each with what to do"""
     fixed: bool = False
     """of a receiver: its last fix was RTK fixed"""
     station: int | None = None
-    """of a receiver: which its corrections come from, where it says so"""
+    """of a receiver: which its corrections come from, where it reports that"""
     clock: float = math.nan
     """of a receiver: its time of day when this computer's monotonic clock began, s"""
 

@@ -116,7 +116,7 @@ class HandDrive:
         return [part for part in parts if part.times[-1] - part.times[0] >= _CIRCLE]
 
     def _curvature(self) -> Floats:
-        """Return (n,) 1/m, averaged over about a second; NaN where it is too slow or too fast to tell."""
+        """Return (n,) 1/m, averaged over about a second; NaN where it is too slow or too fast."""
         speeds = self.speeds
         usable = (np.abs(speeds) >= SLOW) & (np.abs(speeds) <= FAST)
         raw = np.where(usable, self.yaw_rates / np.where(usable, speeds, 1.0), np.nan)

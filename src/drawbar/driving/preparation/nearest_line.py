@@ -20,7 +20,7 @@ from drawbar.protocols.gnss.epoch import Epoch
 from drawbar.transports.open import open_transport
 
 _LISTENS = 10.0
-"""s, until every receiver has told its position"""
+"""s, until every receiver has reported its position"""
 _ALONG = math.radians(60.0)
 """between vehicle and line, up to which the line leads along the vehicle, rad"""
 _APART = 0.3
@@ -43,7 +43,7 @@ def standing(devices: DeviceSettings) -> Standing:
     """Return where the vehicle stands, by its receivers.
 
     Raises:
-        ConfigurationError: a receiver tells no position.
+        ConfigurationError: a receiver reports no position.
         DrawbarError: a transport cannot be opened.
     """
     tractor = _position(devices, "tractor_receiver")

@@ -1,4 +1,4 @@
-"""Push calibration: moves a bare valve or motor a little, push by push, and says what that shows (docs/calibration.md).
+"""Push calibration: moves a bare valve or motor a little, push by push, and reports the result (docs/calibration.md).
 
 One implementation for `drawbar calibrate --push` and for the console, whose pages look on from another thread.
 """
@@ -61,7 +61,7 @@ class PushCalibration:
         self._attended = time.monotonic()
 
     def run(self) -> list[CalibrationResult]:
-        """Make all pushes, and return what they show; nothing where `reason` says why. Then it is off."""
+        """Make all pushes, and return what they show; nothing where it failed (`reason`). Then it is off."""
         try:
             self._wait_until_it_rolls()
             self.started = True
@@ -78,7 +78,7 @@ class PushCalibration:
             self._machine.off()
 
     def _wait_until_it_rolls(self) -> None:
-        """Wait, off, until a calibration may begin; after a while it begins and says itself what is missing."""
+        """Wait, off, until a calibration may begin; after a while it begins, and reports what is missing."""
         limits, began = CalibrationLimits(), math.nan
         while not self._ending:
             sensed = self._machine.sense()
@@ -90,7 +90,7 @@ class PushCalibration:
                 return
 
     def _made(self, calibration: Calibration) -> Calibration:
-        """Carry a calibration out; `reason` says why it was ended early."""
+        """Carry a calibration out; `reason`: why it was ended early."""
         carry_out(calibration, self._machine, self._watch)
         self.reason = self._ending or calibration.reason
         return calibration
@@ -120,7 +120,7 @@ def open_bare_valve(settings: BareValveSettings, wheelbase: float, motion: Calla
     Args:
         settings: of the valve.
         wheelbase: of the tractor, m.
-        motion: tells how it moves now.
+        motion: returns how it moves now.
     """
     return BareValve(open_transport(settings.transport), settings, wheelbase=wheelbase, motion=motion)
 
@@ -153,7 +153,7 @@ def _large_drives(bands: DeadBandPlan) -> tuple[float, float]:
         hardest = [run[-1] for run in runs]
         beyond = max(sum(abs(push.drive) for push in hardest) / len(hardest) - band, 0.01)
         rate = sum(abs(push.moved) / push.duration for push in hardest) / len(hardest)
-        drives.append(round(min(_LARGEST, band + _RATE / rate * beyond), 3))  # as the board is told
+        drives.append(round(min(_LARGEST, band + _RATE / rate * beyond), 3))  # as it is sent to the board
     return drives[0], drives[1]
 
 
@@ -184,7 +184,7 @@ def _sure(direction: int) -> Calibrated:
 
 
 def _sensor(settings: BareValveSettings, rests: Sequence[tuple[float, float]]) -> CalibrationResult:
-    """Return the scale of the sensor: what the yaw rate says that it turned by what it says itself."""
+    """Return the scale of the sensor: the angle turned by the yaw rate, divided by the sensor's."""
     angles, by_yaw = np.array(rests).reshape(-1, 2).T
     refusals = []
     if len(angles) < _FEWEST or not angles.std() >= _SPREAD:

@@ -48,7 +48,7 @@ _FRESH = 1.0
 _TICK = 0.05
 """s"""
 _OFF = 1.0
-"""for which it is told to release the steering at the end, s"""
+"""for which the release of the steering is commanded at the end, s"""
 
 
 class Phase(Enum):

@@ -27,7 +27,7 @@ from drawbar.simulation import build_path
 from drawbar.step.layout import packed
 
 _TOGETHER = 32
-"""of what was done is told at once; more than in a step"""
+"""of what was done is sent at once; more than in a step"""
 _LONGEST_WAIT = 100_000_000
 """ns"""
 _LOOK = 1_000_000_000
@@ -115,13 +115,13 @@ class Outputs:
                 self._endpoint.send(place, record)
 
     def note(self, kind: Kind, sequence: int) -> None:
-        """Note what is done now; the recorder is told with the next step, or soon."""
+        """Note what is done now; it is sent to the recorder with the next step, or soon."""
         self._done.append(Happening(kind=kind, time=self._clock.nanoseconds(), sequence=sequence))
         if len(self._done) >= _TOGETHER:
             self.send_order()
 
     def send_order(self) -> None:
-        """Tell the recorder what has been done."""
+        """Send the recorder what has been done."""
         if self._done:
             self._endpoint.send_queued(self._recorder, pack(Order(tuple(self._done))))
             self._done.clear()

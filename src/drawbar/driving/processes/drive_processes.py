@@ -38,7 +38,7 @@ LOSSES = {
     RECORDER: "the recorder has ended: nothing more is recorded, what was recorded is kept, and the drive continues",
     RECEIVERS: "the receivers' process has ended: the vehicle is steered along its line until it stands; brake",
 }
-"""processes without which a drive continues, the last one only while it steers, and what is then said"""
+"""processes without which a drive continues, the last one only while it steers, and what is then shown"""
 _ROOM = 1_000_000
 """with less free space a disk is full, bytes"""
 _ENDING, _WRITING = 5.0, 30.0
@@ -98,7 +98,7 @@ class DriveProcesses:
         """Start all; each is there when this returns.
 
         Raises:
-            HardwareError: a process has ended at once; says what it has written last.
+            HardwareError: a process has ended at once; with what it has written last.
         """
         try:
             self._start_all()

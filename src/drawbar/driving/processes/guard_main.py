@@ -3,7 +3,7 @@
 `python -m drawbar.driving.processes.guard_main`, with the gate's options on standard input. The gate sends its state at
 each tick; when it steers and sends nothing for as long as it may be late, off frames go to the boards until it sends
 again, for `timing.off` seconds at most: from the gate's own sockets, passed to it, since AiO_26 obeys no other port.
-An ISOBUS valve watches itself, within 200 ms. The guard runs beside the gate, not within, and tells it that it is there
+An ISOBUS valve watches itself, within 200 ms. The guard runs beside the gate, not within, and sends it heartbeats
 and has the sockets: else the gate does not engage.
 """
 
@@ -27,11 +27,11 @@ OFF = SteerCommand(steer=False, angle=0.0, speed=0.0).encode()
 _AGAIN = 0.1
 """between two off frames, s"""
 _LOOK = 0.25
-"""longest time without looking whether to end, or to tell the gate that it is there, s"""
+"""longest time without looking whether to end, or sending a heartbeat to the gate, s"""
 
 
 class Guard:
-    """Says when the boards are to be released; times are monotonic, s."""
+    """Decides when the boards are to be released; times are monotonic, s."""
 
     def __init__(self, timing: TimingSettings) -> None:
         """Begin with a gate that has sent nothing, and does not steer."""
@@ -39,7 +39,7 @@ class Guard:
         self._received, self._said, self._steers = -math.inf, -math.inf, False
 
     def receive_state(self, time: float, state: GateState) -> None:
-        """Take in what the gate has just said."""
+        """Take in the newest state of the gate."""
         self._received, self._said, self._steers = time, -math.inf, bool(state.steers)
 
     @property

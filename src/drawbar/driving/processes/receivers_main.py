@@ -50,7 +50,7 @@ _CORRECTIONS = 0.02
 _SHOWN = 0.5
 """between two words to the console of how the corrections are, s"""
 _TOGETHER = 32
-"""looks that are told at once, at most"""
+"""looks that are sent at once, at most"""
 _ASK_AGAIN = 0.05
 """between two looks at transports that have no descriptor, s"""
 
@@ -114,7 +114,7 @@ def _send(found: Sequence[Fixes], endpoint: Endpoint, options: ProcessOptions) -
 
 
 def _tell_spoofing(receivers: Mapping[Device, Receiver], told: set[Device]) -> None:
-    """Say once of each receiver that it takes its signals for false ones."""
+    """Report once of each receiver that it takes its signals for false ones."""
     for device, receiver in receivers.items():
         if device not in told and receiver.dropped[SPOOFED]:
             told.add(device)
@@ -131,7 +131,7 @@ def _sensors(devices: DeviceSettings, inputs: "InputRecorder") -> SensorLine | N
 
 
 class InputRecorder:
-    """Tells the recorder every byte, and each look at the receivers that may have changed anything."""
+    """Sends the recorder every byte, and each look at the receivers that may have changed anything."""
 
     def __init__(self, endpoint: Endpoint, recorder: str, clock: Clock) -> None:
         """Take the own endpoint, the path of the recorder's and the clock of what comes, s."""
@@ -158,7 +158,7 @@ class InputRecorder:
     def note_look(self, time: int, *, was_due: bool, found: bool) -> None:
         """Note a look at a time, ns, at which something came, was due or was found; any other has done nothing.
 
-        The recorder is told of all looks at the one that has found something, or soon.
+        All looks are sent to the recorder with the one that has found something, or soon.
         """
         if self._pieces or was_due or found:
             self._looks.append(Happening(kind=Kind.LOOK, time=time, sequence=self._pieces))

@@ -57,7 +57,7 @@ def main() -> int:
 
 
 def _live(port: int | None) -> Live | None:
-    """Return the server that shows it all; where it cannot be, that is said, and the log is written without it."""
+    """Return the server that shows it all; where it cannot start, print why: the log is written without it."""
     try:
         return None if port is None else Live(port)
     except DrawbarError as error:
@@ -75,7 +75,7 @@ def _log(configuration: Configuration, options: ProcessOptions, live: Live | Non
 
 
 def _contents(endpoint: Endpoint, heartbeat: HeartbeatSender) -> Iterator[tuple[Content, int]]:
-    """Yield what has arrived, with its size, bytes; tell the heartbeat what the gate does."""
+    """Yield what has arrived, with its size, bytes; pass the gate's states to the heartbeat."""
     for data in endpoint.receive():
         content = unpack(data)
         if isinstance(content, RawBytes | Order | PackedStep):

@@ -15,7 +15,7 @@ def stand_in_caster(settings: CorrectionsSettings, pace: int) -> Caster:
 
     Raises:
         HardwareError: the port is taken, or a caster with TLS is asked for.
-        ConfigurationError: the login is not where the configuration says.
+        ConfigurationError: the login is not where the configuration names it.
     """
     if settings.tls:
         raise HardwareError("the stand-in's caster has no certificate; set devices.corrections.tls=false")

@@ -100,7 +100,7 @@ def _board_limit(body: str, limit: float) -> float:
     """Return the largest angle of a stand-in board.
 
     Raises:
-        ConfigurationError: no board can be told so large an angle.
+        ConfigurationError: no board accepts so large an angle.
     """
     if limit >= LARGEST_ANGLE:
         raise ConfigurationError(

@@ -156,7 +156,7 @@ class BoardLine:
         return came
 
     def send(self, output: Output) -> None:
-        """Send to the computer that was heard last; before, to this one, as a board's broadcast reaches it."""
+        """Send to the computer that sent last; before, to this one, as a board's broadcast reaches it."""
         with suppress(OSError):  # there is no listener
             self._socket.sendto(output.data, self._computer)
 

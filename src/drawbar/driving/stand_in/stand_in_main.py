@@ -53,7 +53,7 @@ class _DriversSeat:
                 self._heard = clock()
 
     def attend(self, now: float, commanded: float) -> None:
-        """Turn the wheels by hand while the gate is heard; drive while it is, or the steerings are commanded.
+        """Turn the wheels by hand while the gate sends; drive while it does, or the steerings are commanded.
 
         Args:
             now: s.
@@ -65,7 +65,7 @@ class _DriversSeat:
 
 
 def _tell(driver: Driver, state: GateState) -> None:
-    """Tell the driver what the gate does: stand until the emergency stop was tried, and begin again after a stop."""
+    """Pass the gate's state to the driver: stand until the emergency stop was tried, and begin again after a stop."""
     rests = state.state is SupervisorState.STANDBY
     untried = Cause.EMERGENCY_UNTRIED.value in state.refusals and Cause.SHADOW.value not in state.refusals
     driver.stop_requested = (bool(state.stop) and not rests) or untried
@@ -78,7 +78,7 @@ def _hands_off(_: Truth) -> None:
 
 
 def _driver_endpoint(options: ProcessOptions, configuration: Configuration) -> Endpoint:
-    """Open what the driver is told by, where the drive looks for it.
+    """Open the socket on which the driver receives, where the drive looks for it.
 
     Raises:
         HardwareError: another stand-in of these devices runs.

@@ -58,7 +58,7 @@ def tune(console: Console, space: SearchSpace, folder: Path, budget: Budget) -> 
 
 
 def study_name(space: SearchSpace, seed: int) -> str:
-    """Return what tells a study from all others: what a trial scores depends on nothing else."""
+    """Return what identifies a study: what a trial scores depends on nothing else."""
     tuning = TuningSettings(error=space.configuration.tuning.error, seeds=space.configuration.tuning.seeds)
     configuration = space.configuration.model_copy(update={"tuning": tuning}).to_toml()
     return (

@@ -23,7 +23,7 @@ _CM, _DEGREES = 100.0, math.degrees(1.0)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Findings:
-    """Everything that a report tells."""
+    """Everything in a report."""
 
     space: SearchSpace
     seed: int
@@ -57,7 +57,7 @@ def terminal_table(findings: Findings) -> RenderableType:
 
 
 def verdict(findings: Findings) -> str:
-    """Say how far the configuration's own values are from the best that was found."""
+    """Return how far the configuration's own values are from the best that was found."""
     comparison, picks = findings.comparison, findings.comparison.picks()
     own, better = comparison.own, comparison.better()
     said = [f"Own values: error {_cm(own.error)} cm, steering {_degrees(own.effort)} °/s (mean ± 95 % interval)."]

@@ -32,7 +32,7 @@ BATCH = 8
 """trials that are drawn before any of them is measured"""
 _OBJECTIVES = ("error", "effort")
 _ENOUGH = 10
-"""trials with a score from which importances are told"""
+"""trials with a score from which importances are shown"""
 _UNFINISHED = "unfinished"
 _REASON = "reason"
 

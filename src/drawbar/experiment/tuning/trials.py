@@ -39,7 +39,7 @@ class Objectives:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Driver:
-    """Drives trials and says what they came to."""
+    """Drives trials and returns their scores."""
 
     client: Client
     folder: Path

@@ -1,4 +1,4 @@
-"""GPX 1.0 and 1.1: tracks and routes, as hand-held receivers write them. GPX knows no boundary."""
+"""GPX 1.0 and 1.1: tracks and routes, as hand-held receivers write them. GPX has no boundaries."""
 
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement

@@ -30,13 +30,14 @@ _GUIDANCE = "5"
 _BOUNDARY, _EXTERIOR, _INTERIOR = "1", "1", "2"
 """types of a polygon and of its line strings"""
 _A, _B, _OTHER, _POINT = "6", "7", "2", "9"
-"""types of points; version 3 knows neither A nor B"""
+"""types of points; version 3 has neither A nor B"""
 
 
 def read(path: Path) -> tuple[Field, ...]:
     """Return all partfields of a TASKDATA.XML, and of the files that it refers to; pivots and spirals are left out.
 
-    Patterns of one name but another type are told apart by the type in brackets. Raises PathError with the partfield.
+    Patterns of one name but another type are distinguished by the type in brackets. Raises PathError with the
+    partfield.
     """
     root = parse(path)
     require_root(root, _ROOT, path, "ISOXML")

@@ -29,7 +29,7 @@ def read(path: Path) -> tuple[Field, ...]:
     """Return the lines of a .shp, or its first polygon as boundary; .dbf and .prj lie beside it.
 
     Raises:
-        PathError: it cannot be read, or has no .dbf, or no .prj, without which nobody knows what its numbers are.
+        PathError: it cannot be read, or has no .dbf, or no .prj, without which the meaning of its numbers is unknown.
     """
     projection = _Projection(path)
     found = {suffix: beside(path, f"{path.stem}.{suffix}") for suffix in ("shp", "shx", "dbf")}

@@ -37,7 +37,7 @@ def separator_of(row: str) -> str:
 
 
 def _is_header(place: str, text: str, separator: str) -> bool:
-    """Tell whether the first row is the header "x,y"; any other header is refused."""
+    """Return whether the first row is the header "x,y"; any other header is refused."""
     cells = _cells(text, separator)
     if len(cells) == 1 or any(map(is_number, cells)):
         return False

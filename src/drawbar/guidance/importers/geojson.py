@@ -55,7 +55,7 @@ class _Found(NamedTuple):
     geometry: dict[str, Any]
     place: str
     around: tuple[Any, ...]
-    """what may say that it is not in WGS84"""
+    """the keys by which it may declare another system than WGS84"""
 
 
 def _lines(path: Path, index: int, feature: Any) -> Iterator[_Found]:

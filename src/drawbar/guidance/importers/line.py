@@ -40,7 +40,7 @@ class RecordedLine:
     repeated: int
     """points of the source that repeated their predecessor and were dropped"""
     frame: LocalFrame | None = None
-    """what x and y count from, for the fixes that are to be compared with them; None: the source does not say"""
+    """what x and y count from, for the fixes that are to be compared with them; None: the source has none"""
 
     @classmethod
     def checked(cls, name: str, points: Floats, places: list[str]) -> Self:

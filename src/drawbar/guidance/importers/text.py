@@ -58,7 +58,7 @@ def number(text: str, place: str, what: str) -> float:
 
 
 def is_number(text: str) -> bool:
-    """Tell whether `number` would return one."""
+    """Return whether `number` would return one."""
     try:
         float(text)
     except ValueError:

@@ -21,7 +21,7 @@ _FRESH = 1.0
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """How the tractor moves, as its receiver says; NaN: unknown."""
+    """How the tractor moves, by its receiver; NaN: unknown."""
 
     time: float
     """monotonic, of the measurement, s"""

@@ -1,4 +1,4 @@
-"""Bare valve's settings: what a configuration says of it; bare_valve.py drives it."""
+"""Bare valve's settings in a configuration; bare_valve.py drives it."""
 
 from typing import Annotated, Self
 

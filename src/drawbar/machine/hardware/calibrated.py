@@ -29,7 +29,7 @@ class Calibrated:
 
     @classmethod
     def unknown(cls, unit: str, residual_unit: str, refusals: Sequence[str], *, samples: int = 0) -> Self:
-        """Return what stands for a number that the records do not tell."""
+        """Return what stands for a number that the records do not determine."""
         return cls(
             value=math.nan,
             deviation=math.inf,

@@ -56,7 +56,7 @@ class CalibrationLimits:
     unasked: float = math.radians(0.6)
     """motion while nothing is driven, rad"""
     unseen: float = math.radians(4.0)
-    """what the vehicle's yaw rate may say more than the sensor, rad"""
+    """by how much the angle from the yaw rate may exceed the sensor's, rad"""
     drive: float = 0.6
     """largest drive"""
     slowest: float = 0.3
@@ -87,7 +87,7 @@ class Calibration:
         Args:
             plan: the pushes.
             limits: None: the default ones.
-            direction: 1 where a positive drive turns left, -1 to the right; 0: the first push that moves tells.
+            direction: 1 where a positive drive turns left, -1 to the right; 0: the first push that moves shows it.
         """
         self.direction = direction
         """what is known of it so far"""
@@ -225,7 +225,7 @@ class Calibration:
         return self._unseen(sensed)
 
     def _unseen(self, sensed: Sensed) -> str:
-        """Return how far the vehicle itself says that it is steered while the sensor does not, or nothing."""
+        """Return how far the vehicle turns as if steered while the sensor shows nothing, or nothing."""
         self._curved.append((sensed.time, sensed.by_yaw - sensed.angle))
         self._curved = [(t, each) for t, each in self._curved if sensed.time - t <= _UNKNOWN and math.isfinite(each)]
         if sensed.time - self._started < _AVERAGED:

@@ -15,7 +15,7 @@ from drawbar.settings import Settings
 
 
 class OriginSettings(Settings):
-    """Where the east-north frame of a path begins that does not say so itself: figure-eights and CSV files."""
+    """Origin of the east-north frame of a path that has none of its own: figure-eights and CSV files."""
 
     latitude: Annotated[float, Field(ge=-89.0, le=89.0)] = 50.87
     """WGS84, degrees"""
@@ -32,7 +32,7 @@ class DeviceSettings(Settings):
 
     tractor_receiver: ReceiverSettings
     trailer_receiver: ReceiverSettings | None = None
-    """without it the tractor's has two antennas and tells its yaw, and `sensors` measures the hitch angle"""
+    """without it the tractor's has two antennas and measures its yaw, and `sensors` measures the hitch angle"""
     tractor_board: SteerBoardSettings | None = None
     """turns the front wheels"""
     trailer_board: SteerBoardSettings | None = None
@@ -45,7 +45,7 @@ class DeviceSettings(Settings):
     bare_valve: BareValveSettings | None = None
     """the front wheels' valve or motor without a loop of its own, for `drawbar calibrate --push` alone"""
     speed: Literal["driver", "isobus"] = "driver"
-    """who drives: the driver, who is told when to stop, or the tractor by commands on the ISOBUS"""
+    """who drives: the driver, who is asked to stop, or the tractor by commands on the ISOBUS"""
     origin: OriginSettings = OriginSettings()
 
     @model_validator(mode="after")

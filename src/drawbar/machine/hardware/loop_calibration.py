@@ -17,7 +17,7 @@ _SAME = math.radians(0.06)
 _REST = 0.3
 """for which it rests before it counts, s"""
 _SLOW = math.radians(2.0)
-"""fastest set point of which the error at the begin of a motion tells anything, rad/s"""
+"""fastest set point of which the error at the beginning of a motion is evaluated, rad/s"""
 _GOES_ON = 1.0
 """within which a motion has gone four times as far as where it is seen, s"""
 _FEWEST = 6
@@ -39,7 +39,7 @@ class LoopDrive:
 def loop_dead_band(drive: LoopDrive) -> Calibrated:
     """Return how far the set point must be away until a resting steering moves to it, rad.
 
-    Each motion from rest, while the set point moves slowly, tells it once: the error at which it began. The value is
+    Each motion from rest, while the set point moves slowly, shows it once: the error at which it began. The value is
     their median.
     """
     time, asked, measured = finite_columns(drive.times, drive.asked, drive.measured)

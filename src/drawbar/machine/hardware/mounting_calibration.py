@@ -22,7 +22,7 @@ TURNING = 0.05
 _USEFUL = 0.05
 """largest deviation of an antenna's place that is of use, m"""
 _STRETCH = 6.0
-"""s, over which the wheels tell how the tractor has moved: long enough for a curve, too short for slip to add up"""
+"""s, over which the wheels measure how the tractor has moved: long enough for a curve, too short for slip to add up"""
 _GOES = 1.0
 """least distance from its begin that a stretch reaches, m: more than a standing antenna seems to"""
 _FEWEST = 8
@@ -210,7 +210,7 @@ def _laid_upon(track: NDArray[Any], measured: NDArray[Any]) -> NDArray[Any]:
 
 
 def _turning_refusals(rate: Floats, count: int) -> list[str]:
-    """Refuse records whose curves to both sides are too short to tell what is to be told apart."""
+    """Refuse records whose curves to both sides are too short to separate what is to be found."""
     step = _STRETCH / count
     refusals = []
     for side, name in ((1.0, "left"), (-1.0, "right")):

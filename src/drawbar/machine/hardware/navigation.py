@@ -23,7 +23,7 @@ _SILENT, _APART = 0.35, 0.04
 _VALID = 1.0
 """for how long fixes mean something, s"""
 _MOST_SATELLITES = 255
-"""that a record can tell"""
+"""that a record can hold"""
 
 
 class Navigation:

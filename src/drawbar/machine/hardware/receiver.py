@@ -24,17 +24,17 @@ class ReceiverSettings(EpochSettings):
     """where its bytes come from, e.g. serial:/dev/ttyACM0@460800, tcp://192.168.3.1:28784, udp://0.0.0.0:9999; of NMEA
     2000 as can:socketcan:can0"""
     sender: str = ""
-    """address of the board whose datagrams are its, or of the receiver on its CAN bus; empty: the first that is heard.
+    """address of the board whose datagrams are its, or of the receiver on its CAN bus; empty: the first that sends.
     Two boards send to the same port"""
 
     @property
     def is_on_can(self) -> bool:
-        """Whether it speaks NMEA 2000."""
+        """Whether it sends NMEA 2000."""
         return self.transport.startswith(CAN)
 
     @property
     def is_without_heading(self) -> bool:
-        """Whether no heading of its is believed: on NMEA 2000, and two antennas are not stated."""
+        """Whether its headings are ignored: on NMEA 2000, and two antennas are not stated."""
         return self.is_on_can and not self.antennas.baseline
 
     @property

@@ -60,7 +60,7 @@ class Sampler:
         return None if self._start is None else self._due + self._wait
 
     def receive_gate(self, state: GateState) -> None:
-        """Take in what the gate knows of the actuators."""
+        """Take in the gate's measurements of the actuators."""
         self._gate = state
 
     def take(self, fixes: Fixes) -> Measurement | None:
@@ -103,7 +103,7 @@ class Sampler:
         self._without = [0 if has else lacks + 1 for has, lacks in zip(known, self._without, strict=True)]
 
     def _without_fix(self) -> Measurement:
-        """Return what is known at the sample besides what the receivers say: the steering."""
+        """Return what is known at the sample besides the receivers' values: the steering."""
         assert self._start is not None
         nan, gate = math.nan, self._gate
         return Measurement(
@@ -163,7 +163,7 @@ def _is_of_sensors(fixes: Fixes) -> bool:
 
 
 def _without_antennas(fixes: Fixes) -> Fixes:
-    """Return what an epoch of no sample says besides its positions: a sample that has none may need the speed."""
+    """Return what an epoch of no sample holds besides its positions: a sample that has none may need the speed."""
     nan, none = math.nan, FixQuality.NONE
     still = replace(fixes, tractor_x=nan, tractor_y=nan, trailer_x=nan, trailer_y=nan)
     return replace(still, tractor_quality=none, trailer_quality=none)

@@ -35,7 +35,7 @@ class Circle:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scale:
-    """What circles to both sides tell of a sensor."""
+    """What circles to both sides show of a sensor."""
 
     counts_per_degree: Calibrated
     """of a straight line through all circles; negative where counts fall to the left"""

@@ -1,4 +1,4 @@
-"""Sentences: what AgOpenGPS boards say as receivers (PANDA, PAOGI), handed on by who has the port that they send it to.
+"""Sentences: what AgOpenGPS boards send as receivers (PANDA, PAOGI), passed on by the gate.
 
 Boards send sentences and replies to one port, 9999, and the gate alone listens there. It passes each datagram that
 begins as a sentence, with its stamp and its sender, through a Unix socket to the receivers. Without numpy: the gate

@@ -59,7 +59,7 @@ class BoardMemory(Settings):
     relay_active_high: bool = False
     """relays close with a high level"""
     steer_switch: bool = False
-    """a switch tells the board whether it may steer"""
+    """a switch at the board enables its steering"""
     steer_button: bool = False
     """a button does"""
     shaft_encoder: bool = False

@@ -44,7 +44,7 @@ def dead_band(runs: Sequence[Sequence[PushRecord]]) -> Calibrated:
     and dead time included, so that the straight line through the pushes that moved meets zero at the dead band: the
     drive at which motion is first seen lies some percent above it. Of several runs the 20 % quantile is taken.
 
-    The value is the dead band itself; `compensation` of the loop says which share of it is skipped (0.8).
+    The value is the dead band itself; `compensation` of the loop is the share of it that is skipped (0.8).
     """
     bands, deviations, residuals = [], [], []
     for run in runs:

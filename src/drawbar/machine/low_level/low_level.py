@@ -106,7 +106,7 @@ class SpeedAxis:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ActuateInput:
-    """struct drawbar_actuate_input; what an absent actuator would be told may stay as it is."""
+    """struct drawbar_actuate_input; fields of an absent actuator may stay as they are."""
 
     time: float
     """s, steady"""
@@ -219,7 +219,7 @@ class LowLevel:
 
 
 def _fields() -> str:
-    """Return the entries of the table that tells where the numbers lie."""
+    """Return the entries of the table of where the numbers lie."""
     lines = []
     for i in range(3):
         lines += [_field(f"settings.sensors[{i}].{name}", length) for name, length in _SENSOR.items()]

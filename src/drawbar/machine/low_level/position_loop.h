@@ -41,7 +41,7 @@ static double integrated(const struct drawbar_position_loop *loop, double integr
     return next > left ? left : next < right ? right : next;
 }
 
-/* Return the drive for an error, and tell whether it is as large as it can be: *saturated its sign, or 0. */
+/* Return the drive for an error, and whether it is as large as it can be: *saturated its sign, or 0. */
 static double position_drive(const struct drawbar_position_loop *loop, struct position_memory *memory, double error,
                              double dt, double *saturated)
 {

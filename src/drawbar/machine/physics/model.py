@@ -153,7 +153,7 @@ def _inertial(mass: _Mass, size: Vector) -> str:
 
 
 def _without(whole: _Mass, parts: Iterable[_Mass]) -> _Mass:
-    """Return what is left of a mass when parts of it are told apart."""
+    """Return what is left of a mass when parts of it are taken separately."""
     taken = list(parts)
     mass = whole.mass - math.fsum(part.mass for part in taken)
     x, y, z = (

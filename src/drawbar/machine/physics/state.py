@@ -44,7 +44,7 @@ class Slides(NamedTuple):
 
 
 def slides(state: State, before: State, duration: float, vehicle: VehicleParameters) -> Slides:
-    """Return how the wheels slid between two states (s apart); nothing is said of a vehicle that stands."""
+    """Return how the wheels slid between two states (s apart); nothing for a vehicle that stands."""
     ahead, sideways, turn = _motion(state, before, "tractor", duration)
     if not abs(ahead) > ROLLING:
         return Slides(1.0, 0.0, 0.0, 0.0)

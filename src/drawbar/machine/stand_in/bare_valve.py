@@ -21,7 +21,7 @@ class StandInBareValve:
     """The board with its motor; `permitted` is what a test sets."""
 
     def __init__(self, settings: BareValveSettings) -> None:
-        """Take the sensor's table, which tells the truth."""
+        """Take the sensor's true table."""
         rising = settings.angles[0] < settings.angles[-1]
         self._table = (settings.angles, settings.counts) if rising else (settings.angles[::-1], settings.counts[::-1])
         self._wheel = MotorWheel(rate=FULL_RATE, lag=LAG, stiction=round(DEAD_BAND * _PWM))
@@ -36,11 +36,11 @@ class StandInBareValve:
             self._drive, self._commanded = drive, time
 
     def turn(self, time: float, angle: float, duration: float) -> float | None:
-        """Turn the wheels from a time (s) on for a duration (s); return where they are, rad; None: it is told nothing.
+        """Turn the wheels from a time (s) on for a duration (s); return where they are, rad; None: no command.
 
         Args:
             time: s.
-            angle: of the wheels, which others have turned as long as it was told nothing, rad.
+            angle: of the wheels, which others have turned while nothing was commanded, rad.
             duration: s.
         """
         if time - self._commanded > HOLDS:
@@ -50,6 +50,6 @@ class StandInBareValve:
         return self._wheel.angle
 
     def report(self, time: float) -> bytes:
-        """Return what it says at a time, s."""
+        """Return what it reports at a time, s."""
         counts = round(float(np.interp(self._wheel.angle, *self._table)))
         return own_sentence("PDBV", round(time * 1e3), counts, int(self.permitted))

@@ -83,7 +83,7 @@ class StandInBoard(ABC):
     _target = 0.0
     """set point, degrees, right positive"""
     _speed = 0.0
-    """of the vehicle as told, km/h"""
+    """of the vehicle, as received, km/h"""
 
     @property
     def next_tick(self) -> float:

@@ -19,7 +19,7 @@ from drawbar.protocols.rtcm import rtcm_frame
 
 LONGEST_REQUEST = 8192
 IDLE = 2.0
-"""a client that says nothing for so long is left, s"""
+"""a client that is silent for so long is disconnected, s"""
 
 
 class Dialect(Enum):

@@ -15,7 +15,7 @@ class Driver:
     WAIT = 5.0
     """for which the vehicle stands at first, once somebody is there who could steer, s"""
     WAIT_UNTOLD = 15.0
-    """the same where nobody tells it to stand until the emergency stop has been tried, s"""
+    """the same where nobody asks it to stand until the emergency stop has been tried, s"""
     ACCELERATION, DECELERATION = 0.5, 1.5
     """m/s²"""
     REACTION = 0.7
@@ -46,7 +46,7 @@ class Driver:
 
         Args:
             time: s.
-            attended: somebody commands the steerings, even if only not to steer, or tells what the gate does.
+            attended: somebody commands the steerings, even if only not to steer, or sends the gate's state.
         """
         if attended:
             self._came = min(self._came, time)

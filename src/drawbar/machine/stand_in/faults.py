@@ -27,7 +27,7 @@ from drawbar.machine.stand_in.machine import BODIES, SENSORS, StandInMachine
 from drawbar.signals import FixQuality
 
 LIST = "list"
-"""in the place of a fault's name: tell which there are"""
+"""in the place of a fault's name: list them"""
 _KNOTS = 3600.0 / 1852.0
 """of a metre per second"""
 

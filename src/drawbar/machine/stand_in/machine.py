@@ -35,7 +35,7 @@ HITCH_ANGLES = tuple((counts - 2048.0) / 1600.0 for counts in HITCH_COUNTS)
 PULSES = 100.0
 """of its encoder, per metre"""
 _OLDEST = 600.0
-"""age of corrections that receivers tell at most, s"""
+"""largest age of corrections that receivers report, s"""
 _REPORTS = 0.04
 """between two sentences of the sensor board, s"""
 _BEGAN = datetime.datetime(2026, 6, 1, 6, 0, tzinfo=datetime.UTC)
@@ -70,7 +70,7 @@ class StandInDevices:
     can: CanMachine | None = None
     """steers the other bodies, and takes the speed; None: there is no ISOBUS"""
     valve: StandInBareValve | None = None
-    """turns the front wheels while it is told to; None: there is none"""
+    """turns the front wheels while commanded; None: there is none"""
 
 
 class StandInMachine:
@@ -195,7 +195,7 @@ class StandInMachine:
             self._yaws[body] += TICK * getattr(self.world.measurement, f"{body}_yaw_rate")
 
     def _sense(self, time: float) -> None:
-        """Let the sensor board speak."""
+        """Let the sensor board report."""
         counts = round(2048.0 + 1600.0 * self.world.measurement.hitch_angle)
         said = (self.hitch_counts(counts), self.pulses(int(self._way * PULSES)))
         self._leaving.append((time, SENSORS, sentence(round(time * 1e3), *said)))
@@ -229,5 +229,5 @@ class StandInMachine:
             self._leaving += [(leaves, body, frame) for frame in self.encoders[body](report)]
 
     def _quality(self, body: str, age: float) -> FixQuality:
-        """Return how good a receiver says that its fix is, with corrections of an age, s."""
+        """Return the quality that a receiver reports, with corrections of an age, s."""
         return min(self.quality[body], FixQuality.SINGLE if age > self._settings.holds else FixQuality.FIXED)

@@ -38,7 +38,7 @@ class StandInTractor(Component):
         """over ground, m/s, reverse negative; None: this facility is lost"""
         self.operator_drives = False
         self.exit_reason = 0
-        """why it left the last command, as it tells"""
+        """its exit reason: why it ended the last command"""
         """the operator has taken the speed over by pedal or lever"""
         self._node = node
         self._cadence = Cadence(_PERIOD)

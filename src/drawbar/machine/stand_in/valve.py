@@ -24,11 +24,11 @@ _EXITS = 100
 
 
 class StandInValve(Component):
-    """A valve that steers while it is commanded, allowed, and heard from within its time-out; times are monotonic, s.
+    """A valve that steers while it is allowed and commanded within its time-out; times are monotonic, s.
 
-    It engages at "intended to steer" from a sender that has said "not intended" since the last release, and tells why
-    it releases. What a test or a simulated machine sets: the attributes below. `rate` is how fast it turns, (1/m)/s;
-    None: another moves `curvature` after `target`.
+    It engages at "intended to steer" from a sender that has sent "not intended" since the last release, and reports
+    why it releases. What a test or a simulated machine sets: the attributes below. `rate` is how fast it turns,
+    (1/m)/s; None: another moves `curvature` after `target`.
     """
 
     def __init__(
@@ -98,7 +98,7 @@ class StandInValve(Component):
         return [self._node.frame(MACHINE_INFO, encode_machine_info(self.info()))]
 
     def info(self) -> MachineInfo:
-        """Return what it says of itself."""
+        """Return its own state."""
         obstacle = self._obstacle()
         return MachineInfo(
             curvature=self.curvature,

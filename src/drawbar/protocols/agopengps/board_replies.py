@@ -94,5 +94,5 @@ class BoardReplies:
 
 
 def _network(host: str) -> str:
-    """Return what tells apart networks of boards, which are /24 all of them; the loopback is one."""
+    """Return the part of an address by which networks of boards differ: all are /24; the loopback is one."""
     return "127" if host.startswith("127.") else host.rpartition(".")[0]

@@ -74,7 +74,7 @@ class SteerConfig:
     cytron: bool = False
     """motor driver: Cytron, else IBT2"""
     steer_switch: bool = False
-    """a switch tells the board whether it may steer"""
+    """a switch at the board enables its steering"""
     steer_button: bool = False
     """a button does"""
     shaft_encoder: bool = False

@@ -31,7 +31,7 @@ NEWS = math.radians(0.01)
 EDGE_PERIOD = 0.09
 """least time between the first set point with status 1 and the next, s: the board must look at it between the two"""
 PATIENCE = 0.5
-"""for the board to say that it steers, from the first frame with status 1, s; it needs two replies"""
+"""for the board to report that it steers, from the first frame with status 1, s; it needs two replies"""
 OWN_GAP = 1.0
 """own silence after which status 0 must be sent, s"""
 OFF_TIME = 1.0
@@ -209,7 +209,7 @@ class SteerBoard(SteeringActuator[bytes]):
         return time - self._sent >= PERIOD
 
     def _yields(self, time: float) -> bool:
-        """Whether another computer has the board, and drawbar has told it to release for long enough, or need not."""
+        """Whether another computer has the board, and drawbar has sent its release for long enough, or need not."""
         releasing = self._status or time - self._released < OFF_TIME
         return self._replies.master_within(time, MASTER_GONE) and not self._steering and not releasing
 
@@ -234,7 +234,7 @@ class SteerBoard(SteeringActuator[bytes]):
         self._sent, self._interval, self._status = time, gap, self._steering
 
     def report(self, time: float) -> SteeringReport:
-        """Return what is known now. `engaged`: asked for, said to the board, and confirmed by it."""
+        """Return what is known now. `engaged`: asked for, sent to the board, and confirmed by it."""
         replies = self._replies
         confirmed = not replies.steer_off and replies.time >= self._edge
         return SteeringReport(

@@ -27,7 +27,7 @@ _FIRST = 3
 _LATENCY, _LINE_LATENCY = 0.04, 0.01
 """of receiver and line where neither is known: most have 0.01 to 0.08; and of the line alone, s"""
 SPOOFED = "epoch of a receiver that reports spoofing"
-"""how epochs are counted whose contents are not believed"""
+"""how epochs are counted whose contents are rejected"""
 _LEAD = 0.05
 """by which the first epochs may be later than the least delay shows afterwards, s; more is another time of the
 receiver's"""
@@ -66,7 +66,7 @@ class Assembler:
         self.frozen = 0
         self._settings = settings
         self._draft: _Draft | None = None
-        self._spoofed = False  # as the receiver has said last
+        self._spoofed = False  # as the receiver has reported last
         self._kinds: deque[set[str]] = deque(maxlen=_REMEMBERED)
         self._positional: set[str] = set()  # kinds that hold a position
         self._delivered = -math.inf  # time of the last epoch
@@ -91,7 +91,7 @@ class Assembler:
     def add(self, message: Message, time: float) -> list[Epoch]:
         """Take a message whose first byte came at a monotonic time (s); return the epochs that it ends.
 
-        What a receiver says of spoofing holds until it says otherwise: it does not say so in each epoch.
+        A receiver's report of spoofing holds until its next one: it does not send one in each epoch.
         """
         if told := [content.suspected for content in message.contents if isinstance(content, Spoofing)]:
             self._spoofed = any(told)
@@ -168,7 +168,7 @@ class Assembler:
             self.dropped["epoch with an impossible deviation"] += 1
             return None
         epoch = self._epoch(draft, utc, solution)
-        if epoch.time <= self._delivered:  # one of both has told another latency
+        if epoch.time <= self._delivered:  # one of both has reported another latency
             self.dropped["epoch measured before the last one"] += 1
             return None
         self._delivered = epoch.time
@@ -177,7 +177,7 @@ class Assembler:
     def _goes_on(self, utc: float, received: float) -> bool:
         """Whether a time in the past, or in the future by those before it, is one that the epoch before this one began.
 
-        Both then came as fast as their times go on: the receiver has set its clock. One wrong time, believed, would
+        Both then came as fast as their times go on: the receiver has set its clock. One wrong time, accepted, would
         make all epochs of the next 60 s seem old, and so would an epoch that comes again, or late.
         """
         before, offset = self._elsewhere, self._clock.offset(utc, received)
@@ -191,7 +191,7 @@ class Assembler:
             self._note_place(place)
         time = self._measured(utc, draft.received, solution.latency)
         quality = solution.quality
-        if quality is not FixQuality.UNKNOWN:  # an attitude alone says nothing of the fix
+        if quality is not FixQuality.UNKNOWN:  # an attitude alone has no quality of the fix
             quality = self._hold.update(draft.received, quality)
         by_quality = solution.quality if quality is FixQuality.NONE else quality
         east, north = sigma(solution.sigma, by_quality, self._settings.sigma_inflation)

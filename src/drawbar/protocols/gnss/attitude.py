@@ -17,9 +17,9 @@ _SMALL = 0.1
 def choose_attitude(
     contents: list[Content], antennas: AntennaSettings, *, position_is_fixed: bool
 ) -> tuple[Attitude | None, str]:
-    """Return the best attitude of an epoch that may be believed, None where there is none, or a reason to refuse it.
+    """Return the best attitude of an epoch that is plausible, None where there is none, or a reason to refuse it.
 
-    A heading is taken while its own ambiguities are fixed; a sentence that does not say so (HDT, THS) goes by the
+    A heading is taken while its own ambiguities are fixed; a sentence without that (HDT, THS) goes by the
     position's. The measured distance of the antennas must be the surveyed one.
     """
     given = [content for content in contents if isinstance(content, Attitude)]
@@ -66,7 +66,7 @@ def body_attitude(attitude: Attitude | None, contents: list[Content], antennas: 
 
 
 def _inertial(contents: list[Content]) -> dict[str, float]:
-    """Return what the inertial sensor of a board says."""
+    """Return the attitude by the inertial sensor of a board."""
     sensor = next((each for each in contents if isinstance(each, InertialAttitude)), None)
     if sensor is None:
         return {}

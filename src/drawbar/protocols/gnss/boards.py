@@ -1,4 +1,4 @@
-"""Sentences that no library knows: $PANDA and $PAOGI of AgOpenGPS's boards, $KSXT of Unicore."""
+"""Sentences that no library decodes: $PANDA and $PAOGI of AgOpenGPS's boards, $KSXT of Unicore."""
 
 import math
 from collections.abc import Callable
@@ -17,9 +17,9 @@ _KSXT_FIXED = 3
 
 
 def panda(values: Values) -> tuple[Content, ...]:
-    """Return what one antenna and an inertial sensor say, in integers of 0.1°; without sensor the rest is stale.
+    """Return what one antenna and an inertial sensor measure, in integers of 0.1°; without sensor the rest is stale.
 
-    The last field is called yaw rate. Most firmware sends 0 there, other firmware numbers whose scale it alone knows:
+    The last field is called yaw rate. Most firmware sends 0 there, other firmware numbers of a scale of its own:
     it is not taken.
     """
     contents = _board(values)
@@ -34,13 +34,13 @@ def panda(values: Values) -> tuple[Content, ...]:
 
 
 def paogi(values: Values) -> tuple[Content, ...]:
-    """Return what two antennas say, in degrees; the board sends it only while the heading is fixed."""
+    """Return what two antennas measure, in degrees; the board sends it only while the heading is fixed."""
     attitude = Attitude(yaw=values.yaw("12"), roll=values.angle("13"), pitch=-values.angle("14"), fixed=True, rank=2)
     return (*_board(values), attitude)
 
 
 def _board(values: Values) -> tuple[Content, ...]:
-    """Return what both sentences share: position and speed. The altitude stands over the geoid, which is not said."""
+    """Return what both sentences share: position and speed. The geoid, over which the altitude stands, is not sent."""
     latitude, longitude = place(values.coordinate("2", "3", "NS"), values.coordinate("4", "5", "EW"))
     code = values.integer("6")
     position = Position(

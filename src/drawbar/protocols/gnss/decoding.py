@@ -40,7 +40,7 @@ class Decoder:
         self._decode = {Protocol.NMEA: self._nmea, Protocol.UBX: self._ubx, Protocol.SBF: self._sbf}
 
     def decode(self, frame: Frame) -> Message | None:
-        """Return what an intact frame says, None where it is not used or cannot be read."""
+        """Return the message of an intact frame, None where it is not used or cannot be read."""
         decode = self._decode.get(frame.protocol)
         if decode is None:
             return None  # corrections that pass by

@@ -1,4 +1,4 @@
-"""An epoch: all that a receiver says of one instant, in SI."""
+"""An epoch: all that a receiver reports for one instant, in SI."""
 
 import datetime
 import math
@@ -18,7 +18,7 @@ class Epoch:
     utc: float
     """its own time, seconds of the UTC day; 86400 and more in a leap second"""
     day: datetime.date | None = None
-    """of UTC, in epochs that say so"""
+    """of UTC, in epochs that have it"""
     latitude: float = math.nan
     """of the antenna, WGS84 degrees; missing without a fix to drive by"""
     longitude: float = math.nan

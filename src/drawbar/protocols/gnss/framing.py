@@ -45,7 +45,7 @@ class Frame:
 
 
 class _Broken(Exception):  # noqa: N818 -- the usual way of most bytes of noise
-    """No frame begins here; says the kind."""
+    """No frame of this kind begins here."""
 
 
 class _Incomplete(Exception):  # noqa: N818 -- not an error

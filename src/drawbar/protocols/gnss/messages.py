@@ -1,4 +1,4 @@
-"""Messages of a receiver: what one frame says, in SI; a few kinds of content, whatever the protocol was.
+"""Messages of a receiver: the content of one frame, in SI; a few kinds of content, whatever the protocol was.
 
 Angles are rad; yaw counts counter-clockwise from east; roll is right side down and pitch front down positive. Latitude
 and longitude alone stay WGS84 degrees, as everywhere outside the local frame. A missing value is NaN or None.
@@ -29,7 +29,7 @@ class Position:
     separation: float = math.nan
     """of the geoid from the ellipsoid, m"""
     quality: FixQuality = FixQuality.UNKNOWN
-    """UNKNOWN: this message does not say"""
+    """UNKNOWN: not in this message"""
     code: int | None = None
     """the quality in the protocol's own number"""
     satellites: int | None = None
@@ -89,9 +89,9 @@ class Attitude:
     baseline: float = math.nan
     """distance of the two antennas as measured, m"""
     fixed: bool | None = None
-    """whether the ambiguities between the antennas are resolved; None: the message does not say"""
+    """whether the ambiguities between the antennas are resolved; None: not in this message"""
     valid: bool = True
-    """False: the receiver says that there is no attitude"""
+    """False: the receiver reports that there is no attitude"""
     code: int | None = None
     """the quality in the protocol's own number"""
     satellites: int | None = None
@@ -115,7 +115,7 @@ class AttitudeAccuracy:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class InertialAttitude:
-    """What an inertial sensor at the receiver says: a yaw that counts from anywhere and drifts."""
+    """What an inertial sensor at the receiver measures: a yaw that counts from anywhere and drifts."""
 
     yaw: float = math.nan
     """rad, relative"""
@@ -142,7 +142,7 @@ class Date:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Latency:
-    """How long the receiver took from the epoch to the first byte, as it says itself."""
+    """How long the receiver took from the epoch to the first byte, as it reports itself."""
 
     seconds: float
 

@@ -1,6 +1,6 @@
 """Quality of the fix, debounced: along trees it flips several times a second.
 
-Policy: a worse quality is believed at once, a better one after it has held for some time. Driving slows down when a
+Policy: a worse quality is accepted at once, a better one after it has held for some time. Driving slows down when a
 fix becomes float and must not speed up and slow down again with each flip; a fix just found again may be a wrong one.
 """
 

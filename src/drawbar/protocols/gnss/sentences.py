@@ -1,4 +1,4 @@
-"""NMEA 0183 sentences that libraries know: GGA, VTG, RMC, GST, ZDA, HDT, THS, ROT, HRP, HPR and AVR.
+"""NMEA 0183 sentences that libraries decode: GGA, VTG, RMC, GST, ZDA, HDT, THS, ROT, HRP, HPR and AVR.
 
 Traps: HRP is heading, roll, pitch and HPR heading, pitch, roll; with two antennas one of the two is empty (HRP) or
 0.0000 (HPR). HDT, THS, ROT and VTG carry no time. Speed is taken in knots, as every sentence has it.

@@ -1,4 +1,4 @@
-"""Settings of one receiver: what its bytes do not say."""
+"""Settings of one receiver: what its bytes do not contain."""
 
 from typing import Annotated
 
@@ -12,7 +12,8 @@ class AntennaSettings(Settings):
 
     baseline: NonNegative = 0.0
     """surveyed distance of both antennas, m; 0: not known, and not compared with the measured one. On NMEA 2000, which
-    tells no distance, a heading is taken for that of two antennas only where it is given; else it may be a compass's"""
+    reports no distance, a heading is taken for that of two antennas only where it is given; else it may be a
+    compass's"""
     baseline_tolerance: Positive = 0.03
     """largest difference of the measured from the surveyed distance, m; beyond it the heading is wrong"""
     line: Angle = 0.0
@@ -29,7 +30,7 @@ class EpochSettings(Settings):
     sigma_inflation: Annotated[float, Field(ge=0.5, le=10.0)] = 1.5
     """factor on reported standard deviations, which are too small as a rule; 1 once calibrated at standstill"""
     quality_hold: Annotated[float, Field(ge=0.0, le=60.0)] = 1.0
-    """a better quality is believed after it has held so long, s; a worse one at once"""
+    """a better quality is accepted after it has held so long, s; a worse one at once"""
     leap_seconds: Annotated[int, Field(ge=0, le=60)] = 18
     """GPS time minus UTC, s; 18 since 2017"""
     antennas: AntennaSettings = AntennaSettings()

@@ -30,7 +30,7 @@ _Kind = TypeVar("_Kind")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Solution:
-    """What an epoch's messages say together, before it is known which epochs came before it."""
+    """What an epoch's messages contain together, before it is known which epochs came before it."""
 
     quality: FixQuality
     """of this epoch alone"""
@@ -49,11 +49,11 @@ class Solution:
     latency: float
     """that the receiver reports, s"""
     refused: str
-    """why there is no heading although one came; empty: nothing to say"""
+    """why there is no heading although one came; empty: nothing to report"""
 
 
 def solve(contents: list[Content], settings: EpochSettings) -> Solution:
-    """Return what the contents of one epoch's messages say together."""
+    """Return what the messages of one epoch contain together."""
     positions = sorted(_all(contents, Position), key=lambda each: (not math.isfinite(each.latitude), -each.rank))
     quality = _quality(positions)
     accuracy = max(_all(contents, Accuracy), key=lambda each: each.rank, default=Accuracy())
@@ -94,7 +94,7 @@ def _completeness(velocity: Velocity) -> tuple[bool, bool]:
 
 
 def _quality(positions: list[Position]) -> FixQuality:
-    """Return the quality of the best message that says one; NONE where there is no position beside it.
+    """Return the quality of the best message that has one; NONE where there is no position beside it.
 
     A fixed one whose position comes in coarse steps counts as float.
     """
@@ -108,7 +108,7 @@ def _quality(positions: list[Position]) -> FixQuality:
 
 
 def _merged(positions: list[Position], *, is_fix: bool) -> Position:
-    """Return the best position, with what only the others say of it."""
+    """Return the best position, with what only the others contain of it."""
     best = positions[0] if positions else Position()
     return Position(
         latitude=best.latitude if is_fix else math.nan,

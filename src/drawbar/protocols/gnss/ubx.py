@@ -103,7 +103,7 @@ def relposned(values: Values) -> tuple[Content, ...]:
 
 
 def status(values: Values) -> tuple[Content, ...]:
-    """Return whether the receiver has found spoofing; while it does not know, nothing is suspected."""
+    """Return whether the receiver has found spoofing; while it cannot decide, nothing is suspected."""
     return (Spoofing(suspected=(values.integer("spoofDetState") or 0) >= _SPOOFED),)
 
 

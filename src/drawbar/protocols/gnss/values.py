@@ -17,7 +17,7 @@ LARGEST_SPEED = 50.0
 OLDEST_CORRECTION = 3600.0
 """no receiver computes with corrections that are older, s"""
 _LARGEST_DEVIATION = 1e6
-"""m, or m² of a variance: who knows so little does not know the place"""
+"""m, or m² of a variance: a position this uncertain counts as none"""
 _DIGITS = re.compile(r"[0-9]+(?:\.[0-9]*)?")
 
 

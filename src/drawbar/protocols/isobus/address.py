@@ -26,7 +26,7 @@ _DUPLICATE_ANSWER = 1.0
 
 
 class ClaimState(Enum):
-    """How far the claim has come; each says it to the operator."""
+    """How far the claim has come; each with its text for the operator."""
 
     SILENT = "has not begun"
     LISTENING = "listens for the addresses in use"
@@ -59,7 +59,7 @@ class AddressClaim:
         self._preferred = preferred
         self._random = Random(name.value if seed is None else seed)
         self._owners: dict[int, int | None] = {}
-        """NAME behind each address heard, None where only its frames are known; never more than 254"""
+        """NAME behind each address received, None where only its frames are known; never more than 254"""
         self._until = -math.inf
         self._claim_at = math.inf
         """when a claim or "cannot claim" is to go; inf: none is"""
@@ -109,7 +109,7 @@ class AddressClaim:
         if self.address == NULL or address != self.address:
             return
         if name == self.name.value:
-            # Two devices of one NAME cannot be told apart: an answer would be answered for ever.
+            # Two devices of one NAME cannot be distinguished: an answer would be answered for ever.
             self.duplicates += 1
             self._duplicate_time = time
         elif name > self.name.value:

@@ -17,7 +17,7 @@ class Cadence:
         self._due = -math.inf
 
     def due(self, time: float, *, news: bool = False) -> bool:
-        """Return whether a message is to go now, and count it as gone; one that says something new may go earlier."""
+        """Return whether a message is to go now, and count it as gone; one with new content may go earlier."""
         if time < self._due - (_NEWS_EARLY * self.period if news else _EARLY):
             return False
         late = time - self._due

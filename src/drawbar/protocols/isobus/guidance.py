@@ -28,13 +28,13 @@ from drawbar.transports.base import CanFrame
 _GAP = 0.3
 """silence of the valve after which it is not there, s"""
 _SETTLED = 1.0
-"""the valve must have been heard for so long before it is engaged, s"""
+"""the valve must have sent for so long before it is engaged, s"""
 _CLEARED = 0.5
 """within which a valve that steers must have cleared an exit reason from before, s"""
 _OTHER_MASTER_HOLD = 1.0
 """for how long another sender of commands is remembered, s"""
 _OFF_TIME = 1.0
-"""for which "not intended" is said after steering, also where another sender commands, s"""
+"""for which "not intended" is sent after steering, also where another sender commands, s"""
 _OPERATOR_EXITS = (ExitReason.OPERATOR_OVERRIDE,)
 _FAULT_EXITS = (ExitReason.CONTROL_FAULT, ExitReason.FUNCTION_FAULT, ExitReason.ERROR)
 _NO_EXITS = (ExitReason.NONE, ExitReason.NOT_AVAILABLE)
@@ -60,7 +60,7 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
     comes out of turn. While another sender intends to steer the valve nothing is commanded, but for the second after
     drawbar has steered.
 
-    An exit reason tells why a valve takes no commands, or why it has last ceased to. Where a valve keeps it although it
+    An exit reason is why a valve takes no commands, or why it has last ceased to. Where a valve keeps it although it
     says that it is ready, it is the latter after a second, and does not stand against steering; the valve must clear
     it once it steers.
 
@@ -72,7 +72,7 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
     ) -> None:
         self.dropped: dict[str, int] = Counter()
         self.machine: MachineInfo | None = None
-        """what the valve has said last, its engage switch included"""
+        """what the valve has sent last, its engage switch included"""
         self._node, self._map, self._address = node, curvature, address
         self._cadence = Cadence(period)
         self._phase = _Phase.LATCHED
@@ -82,7 +82,7 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
         """what the latch was set by, until it is released"""
         self._overridden = False
         self._stop_now = False
-        """"not intended" is to be said out of turn"""
+        """"not intended" is to be sent out of turn"""
         self._source: int | None = address
         self._info_time = self._second_valve_time = self._other_master_time = self._steered = -math.inf
         self._received_since = self._steering_since = self._reason_since = math.inf
@@ -94,7 +94,7 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
         self._node.receive(time, frame, carrier=self)
 
     def receive_message(self, time: float, message: Message) -> None:
-        """Take in what the valve says of itself, and who else commands it."""
+        """Take in the valve's own state, and who else commands it."""
         if message.pgn == MACHINE_INFO:
             self._receive_info(time, message)
         elif message.pgn == SYSTEM_COMMAND and message.destination in (GLOBAL, self._source):
@@ -158,7 +158,7 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
     def _follow(self, time: float, request: SteeringRequest) -> None:
         """Change the phase by the request and the conditions."""
         if self._losses != self._node.claim.losses:
-            # From a new address "not intended" has not been said yet.
+            # From a new address "not intended" has not been sent yet.
             self._losses = self._node.claim.losses
             self._leave(Readiness.ADDRESS_LOST)
         elif not request.steer:
@@ -173,7 +173,7 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
             self._leave(conditions)
 
     def _yields(self, time: float) -> bool:
-        """Return whether somebody else steers the valve, whom "not intended" would disturb; it was said for a while."""
+        """Return whether somebody else steers the valve, whom "not intended" would disturb; it was sent for a while."""
         released = self._phase is not _Phase.STEERING and time - self._steered >= _OFF_TIME
         return released and time - self._other_master_time <= _OTHER_MASTER_HOLD
 
@@ -224,7 +224,7 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
         return reason in PASSING_EXITS and settled and time <= cleared_by
 
     def _state(self, time: float, info: MachineInfo) -> Readiness:
-        """Return what the valve's own states allow; what it does not say is no."""
+        """Return what the valve's own states allow; what it does not report is no."""
         limits = _LIMITS_WHILE_STEERING if self._phase is _Phase.STEERING else (LimitStatus.NOT_LIMITED,)
         ready = (info.locked_out, info.ready, info.in_position, info.reset_required) == (False, True, True, False)
         reason = ExitReason.NONE if ready and self._is_past(time, info.exit_reason) else info.exit_reason

@@ -1,4 +1,4 @@
-"""Guidance messages: the curvature asked of a steering valve (0xAD00) and what the valve says of itself (0xAC00)."""
+"""Guidance messages: the curvature asked of a steering valve (0xAD00) and the valve's own state (0xAC00)."""
 
 import math
 from dataclasses import dataclass
@@ -68,7 +68,7 @@ PASSING_EXITS = (
     ExitReason.TOO_SLOW,
     ExitReason.TOO_FAST,
 )
-"""reasons that may be over while a valve or tractor still tells them"""
+"""reasons that may be over while a valve or tractor still sends them"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,7 +82,7 @@ class SystemCommand:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MachineInfo:
-    """What the valve says of itself; None and NaN are what it does not say, or says to be in error."""
+    """The valve's own state; None and NaN are what it does not report, or reports to be in error."""
 
     curvature: float = math.nan
     """estimated, 1/m, left positive"""
@@ -101,7 +101,7 @@ class MachineInfo:
 
 
 def encodable(curvature: float) -> bool:
-    """Return whether a curvature, 1/m, can be said on the wire: finite and within ±8 /m."""
+    """Return whether a curvature, 1/m, can be sent on the wire: finite and within ±8 /m."""
     return fits_u16(curvature, _PER_METRE, _STRAIGHT)
 
 

@@ -1,4 +1,4 @@
-"""NAME: the 64 bits by which a device is known on the bus and by which two that want one address are told apart."""
+"""NAME: the 64 bits that identify a device on the bus and arbitrate between two that claim one address."""
 
 from dataclasses import dataclass, fields
 

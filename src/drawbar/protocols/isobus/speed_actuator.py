@@ -15,7 +15,7 @@ from drawbar.transports.base import CanFrame
 
 _FACILITY = "selected speed"
 _SETTLED = 1.0
-"""the tractor must have been heard for so long before it is engaged, and have told an exit reason that is over, s"""
+"""the tractor must have sent for so long before it is engaged, and have sent an exit reason that is over, s"""
 _CLEARED = 0.5
 """within which a tractor that drives must have cleared an exit reason from before, s"""
 
@@ -52,7 +52,7 @@ class MachineSpeed(SpeedActuator[CanFrame], Component):
         self._node.receive(time, frame, carrier=self)
 
     def receive_message(self, time: float, message: Message) -> None:
-        """Take in what the tractor says of its speed."""
+        """Take in what the tractor reports of its speed."""
         lost = self._tractor.reading(_FACILITY, time) is None
         self._tractor.receive_message(time, message)
         reading = self._tractor.reading(_FACILITY, time)
@@ -103,7 +103,7 @@ class MachineSpeed(SpeedActuator[CanFrame], Component):
         return reason in PASSING_EXITS and settled and not time - self._driving_since > _CLEARED
 
     def _state(self, time: float, reading: object) -> Readiness:
-        """Return what a tractor's selected speed says of whether it takes commands."""
+        """Return whether a tractor takes commands, by its selected speed."""
         if not isinstance(reading, SelectedSpeed):
             return Readiness.SILENT
         reason = ExitReason.NONE if self._is_past(time, reading.exit_reason) else reading.exit_reason

@@ -37,7 +37,7 @@ _GROUPS: dict[int, tuple[str, Callable[[bytes], Reading | None]]] = {
     FRONT_PTO: ("front PTO", decode_power_take_off),
 }
 FACILITIES = tuple(name for name, _ in _GROUPS.values())
-"""what `Tractor` knows by name"""
+"""what `Tractor` has by name"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,7 +45,7 @@ class SpeedReading:
     """One speed and when it came."""
 
     speed: float = math.nan
-    """m/s, reverse negative; NaN: never heard, not available, in error, or of no direction"""
+    """m/s, reverse negative; NaN: never received, not available, in error, or of no direction"""
     time: float = -math.inf
     """monotonic time at which it was received, s; -inf: never"""
 

@@ -39,7 +39,7 @@ class WheelOrGroundSpeed:
     """What the wheels (0xFE48) or the radar (0xFE49) measure."""
 
     speed: float = math.nan
-    """m/s, reverse negative; NaN: not available, in error, or moving in a direction that is not said"""
+    """m/s, reverse negative; NaN: not available, in error, or moving in a direction that is not reported"""
     distance: float = math.nan
     """m, reverse counted as forward; restarts every 4295 km"""
 

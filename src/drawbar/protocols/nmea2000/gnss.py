@@ -33,7 +33,7 @@ from drawbar.transports.base import CanFrame
 _HOLD = 0.03
 """for how long an epoch waits for what came with the one before, s"""
 _SILENCE = 2.0
-"""after which another receiver may take the place of the one that was heard first, s"""
+"""after which another receiver may take the place of the one that sent first, s"""
 _OPEN = 8
 """epochs open at a time; the oldest gives way"""
 _KEPT = 64

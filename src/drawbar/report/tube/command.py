@@ -15,7 +15,7 @@ from drawbar.errors import ConfigurationError
 from drawbar.report.tube.console import findings_text, proposal, tube_text
 from drawbar.report.tube.page import write_page
 from drawbar.report.tube.recorded import Recording, findings, recordings
-from drawbar.step.build import tube_work
+from drawbar.step.build import operating_conditions
 
 BODIES = ("tractor", "trailer")
 
@@ -46,12 +46,12 @@ def show_tubes(console: Console, configuration: Configuration, out: Path, logs: 
 
 def _kept(configuration: Configuration) -> Configuration:
     """Return the configuration with the declared bounds that its control step is built from."""
-    controller, work = _controller(configuration), tube_work(configuration)
-    return configuration.model_copy(update={"tube": with_kept_rates(controller, work, configuration.tube)})
+    controller, conditions = _controller(configuration), operating_conditions(configuration)
+    return configuration.model_copy(update={"tube": with_kept_rates(controller, conditions, configuration.tube)})
 
 
 def _raised(name: str, declared: BodyTubeSettings, counted: BodyTubeSettings) -> str:
-    """Say by how much the steering rate's disturbance counts as more than it is declared, "" where it does not."""
+    """Return by how much the steering rate's disturbance counts as more than it is declared, "" where it does not."""
     before, now = (settings.disturbances.get("steering_rate", 0.0) for settings in (declared, counted))
     if now == before:
         return ""
@@ -62,7 +62,7 @@ def _raised(name: str, declared: BodyTubeSettings, counted: BodyTubeSettings) ->
 
 
 def _bodies(configuration: Configuration) -> tuple[Body, Body]:
-    return bodies_of(_controller(configuration), tube_work(configuration), configuration.tube)
+    return bodies_of(_controller(configuration), operating_conditions(configuration), configuration.tube)
 
 
 def _controller(configuration: Configuration) -> ArticulatedControllerSettings | TricycleControllerSettings:

@@ -45,7 +45,7 @@ def tube_text(body: str, tube: SubsystemTube, advice: Iterable[str], raised: str
 
 
 def findings_text(body: str, findings: list[Finding]) -> RenderableType:
-    """Return what logs say of the bounds of one body, for the console."""
+    """Return what logs show of the bounds of one body, for the console."""
     samples = min(len(finding.magnitudes) for finding in findings)
     declared = any(finding.declared for finding in findings)
     violated = [f"{finding.section}.{finding.name}" for finding in findings if finding.declared and finding.beyond]

@@ -78,7 +78,7 @@ def recordings(files: Sequence[Path], configuration: Configuration, name: str, b
 
 
 def findings(recorded: Sequence[Recording], body: Body, settings: BodyTubeSettings) -> list[Finding]:
-    """Return what the recordings of one body say of each of its bounds."""
+    """Return what the recordings of one body show of each of its bounds."""
     parts = [
         identified(
             body.model,

@@ -11,7 +11,7 @@ from drawbar.report.tube.recorded import Finding
 from drawbar.report.tube.units import scale, shown, title, with_unit
 
 _SMALLEST = 1e-9
-"""Excess, as it is shown, below which its size says nothing."""
+"""Excess, as it is shown, below which its size means nothing."""
 SET_COLUMNS = ("seen error", "true error", "excess")
 _ERRORS = {
     Nominal.PREDICTED: "e⁺ = B K e + w; the nominal state starts at the estimate and carries no error on",
@@ -55,7 +55,7 @@ def _excess(value: float, unit: str) -> str:
 
 
 def unbounded_text(tube: SubsystemTube) -> str:
-    """Say which errors have no bound, and why; empty where all have one."""
+    """Return which errors have no bound, and why; empty where all have one."""
     if tube.invariant_set is None:
         return "No bounds are declared: there is no set, and nothing is tightened."
     free = [title(state) for i, state in enumerate(tube.model.states) if i not in tube.invariant_set.bounded]

@@ -14,7 +14,7 @@
  * Functions that return an int return enum drawbar_status: DRAWBAR_OK, or why the call was wrong (NULL, order, range, ...).
  * Only drawbar_feedback and drawbar_step return others; their command may be sent whatever the status.
  *
- *     below DRAWBAR_REFUSED     a new command; the number is a set of enum drawbar_flag, 0 where there is nothing to say
+ *     below DRAWBAR_REFUSED     a new command; the number is a set of enum drawbar_flag, 0: no remark
  *     from DRAWBAR_REFUSED on   no new command; the last one is repeated, for at most one second by the time stamps and by
  *                               the number of samples; then the vehicle is stopped, and a run that has begun ends
  *     from DRAWBAR_FINISHED on  the run has ended: the command stops the vehicle with its steering held, until the next
@@ -23,7 +23,7 @@
  *
  * Where estimator or controllers have no solution, or samples come late, the vehicle continues along its last plan, slower
  * after half a second (DRAWBAR_SLOWED), and stops after three seconds at the latest (DRAWBAR_UNSOLVED, DRAWBAR_OVERDUE).
- * Where time stamps say that calls come at another rate than DRAWBAR_SAMPLE_TIME, it is stopped (DRAWBAR_RATE).
+ * Where calls come, by their time stamps, at another rate than DRAWBAR_SAMPLE_TIME, it is stopped (DRAWBAR_RATE).
  */
 #ifndef DRAWBAR_H
 #define DRAWBAR_H
@@ -53,7 +53,7 @@ DRAWBAR_API int drawbar_init(struct drawbar_state *state);
  *     run ends or another path is set.
  *
  * When it is refused (DRAWBAR_PATH) nothing changes. While the run cannot begin the vehicle stands, and status and
- * start_distance of the diagnostics say why: an antenna's position is missing, or the tractor is further than
+ * start_distance of the diagnostics show why: an antenna's position is missing, or the tractor is further than
  * guidance.maximum_start_distance of config.toml from where the run is to begin. */
 DRAWBAR_API int drawbar_set_path(struct drawbar_state *state, const struct drawbar_path_node *nodes,
                                  int32_t count);
@@ -88,7 +88,7 @@ DRAWBAR_API int drawbar_set_offset(struct drawbar_state *state, double offset);
  * commanded speed approaches it by the configuration's acceleration. */
 DRAWBAR_API int drawbar_set_speed(struct drawbar_state *state, double speed);
 
-/* Say whether the vehicle carries out the commands; after drawbar_init it does. While it does not (engaged is 0) somebody
+/* Set whether the vehicle carries out the commands; after drawbar_init it does. While it does not (engaged is 0) somebody
  * else drives: the command repeats the estimated steering, with speed zero (DRAWBAR_RELEASED), and estimate and plans follow
  * what the vehicle does. Once it does again, the command starts from there. drawbar_set_path does not change this. */
 DRAWBAR_API int drawbar_set_engaged(struct drawbar_state *state, int32_t engaged);

@@ -23,7 +23,7 @@ enum drawbar_line_status {
                                             * the one before is; a line shorter than 0.1 m or longer than 2000 km (in
                                             * single precision: beyond 10 km, longer than 10 km); or a limit that is
                                             * not positive */
-    DRAWBAR_LINE_MEMORY = 3,               /* more nodes are needed than there is room for: `made` says how many */
+    DRAWBAR_LINE_MEMORY = 3,               /* more nodes are needed than there is room for: `made`: how many */
     DRAWBAR_LINE_TIGHT = 4,                /* bends, or changes its curvature, faster than the vehicle can, or goes
                                             * back and forth: `made` is the first such node */
     DRAWBAR_LINE_FAR = 5                   /* a recorded point is further from the path than the tolerance: `made` is
@@ -49,7 +49,7 @@ struct drawbar_line_row {
  *
  * points: count of them, in the order of driving.
  * nodes, work: room for `capacity` of each; a line of L m needs ceil(4 L) + 1, and at least 9.
- * made: how many nodes there are; what it is otherwise, the statuses say. */
+ * made: how many nodes there are; otherwise as described at each status. */
 DRAWBAR_API int drawbar_line_path(const struct drawbar_line_point *points, int32_t count,
                                   const struct drawbar_line_limits *limits, struct drawbar_path_node *nodes,
                                   struct drawbar_line_row *work, int32_t capacity, int32_t *made);

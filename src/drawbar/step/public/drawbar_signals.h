@@ -52,7 +52,7 @@ enum drawbar_status {
     DRAWBAR_UNALIGNED = 264             /* wrong call: a pointer is not aligned as a double */
 };
 
-/* What there is to say of a step that made a new command; each flag carries its text. */
+/* Remarks on a step that made a new command; each flag carries its text. */
 enum drawbar_flag {
     DRAWBAR_MEASUREMENT = 1,            /* a measured value was infinite or beyond what its sensor can mean, and
                                          * was taken for missing */
@@ -76,7 +76,7 @@ enum drawbar_fix {
 
 /* How a receiver found a position. */
 enum drawbar_quality {
-    DRAWBAR_QUALITY_UNKNOWN = 0,        /* the receiver does not say */
+    DRAWBAR_QUALITY_UNKNOWN = 0,        /* the receiver does not report it */
     DRAWBAR_QUALITY_NONE = 1,
     DRAWBAR_QUALITY_SINGLE = 2,         /* without corrections */
     DRAWBAR_QUALITY_DIFFERENTIAL = 3,
@@ -226,7 +226,7 @@ struct drawbar_body_diagnostics {
     int32_t reserved;
 };
 
-/* What there is to say of the last step. */
+/* Diagnostics of the last step. */
 struct drawbar_diagnostics {
     struct drawbar_body_diagnostics tractor;
     struct drawbar_body_diagnostics trailer;

@@ -21,14 +21,14 @@ class Login:
 
 
 def read_login(source: str, environment: Mapping[str, str] = os.environ) -> Login:
-    """Return the login from where `devices.corrections.credentials` says it is.
+    """Return the login from the place that `devices.corrections.credentials` names.
 
     Args:
         source: `environment:NAME`, `file:PATH`, or empty for a caster that asks for none.
         environment: variables.
 
     Raises:
-        ConfigurationError: it is not there, or others may read it; says what to do, never what is in it.
+        ConfigurationError: it is not there, or others may read it; names what to do, never what is in it.
     """
     kind, _, place = source.partition(":")
     if not source:

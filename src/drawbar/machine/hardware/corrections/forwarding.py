@@ -13,7 +13,7 @@ WAITING = 8192
 
 
 class StreamOutlet:
-    """A serial line or a TCP connection of its own, that takes corrections unchanged and says nothing of use."""
+    """A serial line or a TCP connection of its own, that takes corrections unchanged and sends nothing of use."""
 
     def __init__(self, transport: Transport) -> None:
         self.transport = transport

@@ -15,12 +15,12 @@ from drawbar.transports.connection import Connection, Phase
 ATTEMPT = 10.0
 """from looking up the name to the caster's answer, s"""
 PATIENCE = 60.0
-"""a stream may say nothing for so long while the caster may be waiting for a position that the receiver lacks, s"""
+"""a stream may be silent for so long while the caster may be waiting for a position that the receiver lacks, s"""
 AT_ONCE = 4096
 """bytes taken at a time, 50 times a second: a hundred times what corrections are, and soon read whatever they are"""
 _REFUSALS = (0, *range(400, 500))
 """codes of a request that a caster refuses; with 3xx a modem's page answers, with 5xx a caster that is in trouble
-itself; 0: it tells none"""
+itself; 0: it reports none"""
 _ADVICE = {
     Answer.SOURCE_TABLE: "check devices.corrections.mount",
     Answer.NO_MOUNT: "check devices.corrections.mount",
@@ -70,10 +70,10 @@ class Session:
         self._connection.close()
 
     def advance(self, now: float, position: bytes) -> bytes:
-        """Do what can be done now, and return the corrections that came; `failure` says whether it is over."""
+        """Do what can be done now, and return the corrections that came; `failure` is set when it is over."""
         phase = self._connection.advance()
         if phase is Phase.OPEN and self.state is CorrectionsState.CONNECTING:
-            self._ask(now, position)
+            self._ask(position)
         data = self._connection.read() if self.state is not CorrectionsState.CONNECTING else b""
         stream = self._take(now, self._reader.feed(data)) if data else b""
         if self._flows or self.state is CorrectionsState.LISTENING:
@@ -85,7 +85,7 @@ class Session:
     def _flows(self) -> bool:
         return self.state is CorrectionsState.FLOWING
 
-    def _ask(self, now: float, position: bytes) -> None:
+    def _ask(self, position: bytes) -> None:
         request = ntrip_request(
             mount=self._settings.mount,
             host=self._settings.host,

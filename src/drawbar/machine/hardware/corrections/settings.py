@@ -24,7 +24,7 @@ class CorrectionsSettings(Settings):
     mount: Annotated[str, Field(pattern=r"^[!-.0-~]+$")]
     """mount point, without slash"""
     version: Literal[1, 2] = 2
-    """of NTRIP; 1 for casters that know no other"""
+    """of NTRIP; 1 for casters that support no other"""
     tls: bool = False
     """encrypted; casters offer it on a port of its own, often 443 or 2102"""
     certificate: str = ""

@@ -46,7 +46,7 @@ class CorrectionsStatus:
 
 
 class CorrectionsNews:
-    """Changes of the corrections, in words for the operator, each told once."""
+    """Changes of the corrections, in words for the operator, each reported once."""
 
     def __init__(self) -> None:
         self._failure = ""
@@ -59,7 +59,7 @@ class CorrectionsNews:
             self._failure = status.failure
             news.append(status.message or "corrections come again")
         if status.station is not None and status.station not in self._stations:
-            if self._stations:  # those that a stream holds in turns are told once
+            if self._stations:  # those that a stream holds in turns are reported once
                 news.append(f"corrections come from another base, station {status.station}: positions may jump")
             self._stations.add(status.station)
         return news

@@ -1,4 +1,4 @@
-"""Campaign: how much faster short runs are on two cores than on one, `python -m drawbar.experiment.campaign [RUNS]`.
+"""Speed-up: how much faster short runs are on two cores than on one, `python -m drawbar.experiment.speed_up [RUNS]`.
 
 The same runs are driven by clusters of one and of two processes, in turns: what else the machine does falls on both
 alike. Starting the processes and compiling the solvers is not timed.
@@ -47,7 +47,7 @@ def _driven(client: Client, runs: int) -> float:
 
 def main() -> None:
     """Print the figures."""
-    parser = ArgumentParser(prog="python -m drawbar.experiment.campaign")
+    parser = ArgumentParser(prog="python -m drawbar.experiment.speed_up")
     parser.add_argument("runs", type=int, nargs="?", default=RUNS, help="of a figure-eight each, in every turn")
     runs = parser.parse_args().runs
     if runs < 1:

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-COMMAND = [sys.executable, "-m", "drawbar.experiment.campaign"]
+COMMAND = [sys.executable, "-m", "drawbar.experiment.speed_up"]
 
 
 @pytest.mark.parametrize("runs", ["0", "-3", "many"])
