@@ -137,3 +137,10 @@ def test_a_run_whose_folder_went_away_is_reported(tmp_path):
         StorageError, match="not there any more: the folder was moved or removed, or its disk unmounted"
     ):
         _report(tmp_path, shadow=False)
+
+
+def test_a_folder_whose_name_no_process_could_be_told_is_refused(tmp_path, drawbar):
+    code, told = drawbar("drive", "--pace", "10", "--out", os.fsdecode(os.fsencode(tmp_path) + b"/\xc4cker"))
+    assert code in (1, 2)
+    assert "is no name in UTF-8; choose another --out folder" in " ".join(told.split())
+    assert not any(tmp_path.glob("*cker"))

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 _NOTED_LATENCY = 0.02
 """of fixes, from which on it is worth a setting, s"""
+_SHORTEST = 10.0
+"""drive that shows anything, s"""
 _FAR = 0.1
 """share of a drive too far from the line, from which on it is reported"""
 WIDE = ("--set guidance.maximum_start_distance=900", "--set sanity.lost=1000")
@@ -71,7 +73,11 @@ def _in_log(log: FilePath) -> "list[CalibrationResult]":
         raise ConfigurationError(f"{log}: was not recorded on a machine; give the log of a `drawbar drive`")
     with open_drive(log) as records:
         states = [each for each in records if isinstance(each, GateState) and each.steers]
+    for loss in content.losses:
+        console.print(f"{log}: {loss}", style="bold yellow", soft_wrap=True)
     drive = HandDrive.of(content)
+    if len(drive.times) * recorded.sample_time < _SHORTEST:
+        raise DrawbarError(f"{log}: is less than {_SHORTEST:g} s of driving; give the log of a longer drive")
     if drive.far_from_line > _FAR:
         console.print(
             f"in {100.0 * drive.far_from_line:.0f} % of the drive the vehicle was too far from the line, where nothing "
@@ -198,8 +204,8 @@ def identify(log: RunLogFile) -> None:
         console.print(f"{log}: {loss}", style="bold yellow", soft_wrap=True)
     recorded = recorded_configuration(content.header.configuration, [], str(log))
     steered = longest_steering(content.records)
-    if len(steered) * recorded.sample_time < 10.0:
-        raise DrawbarError(f"{log}: steers for less than 10 s without a gap; give the log of a longer run")
+    if len(steered) * recorded.sample_time < _SHORTEST:
+        raise DrawbarError(f"{log}: steers for less than {_SHORTEST:g} s without a gap; give the log of a longer run")
     steps = ((record.measurement, record.command) for record in steered)
     found = evaluate(steps, recorded.vehicle, recorded.actuation, recorded.sample_time)
     _tell_steering("front wheels", found.tractor)

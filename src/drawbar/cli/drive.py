@@ -277,8 +277,11 @@ def _new_folder(chosen: FilePath | None, config: "Configuration") -> FilePath:
 
     folder = chosen or FilePath("runs") / time.strftime(f"{config.name}-drive-%Y%m%d-%H%M%S")
     try:
+        str(folder).encode()  # as the drive's processes are told it
         folder.mkdir(parents=True)
         (folder / CONFIGURATION_NAME).write_text(config.to_toml(), "utf-8")
+    except UnicodeEncodeError as error:
+        raise DrawbarError(f"{str(folder)!r} is no name in UTF-8; choose another --out folder") from error
     except FileExistsError as error:
         raise DrawbarError(f"{folder} is there already; choose another --out folder") from error
     except OSError as error:

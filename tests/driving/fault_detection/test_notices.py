@@ -193,3 +193,13 @@ def test_in_a_drive_the_operator_is_told_what_has_failed(fault, cause):
         FAULTS[fault].begin(rehearsal.machine)
     list(rehearsal.run(2.0))
     assert notices(rehearsal) == ([cause] if cause else [])
+
+
+def test_where_nothing_is_heard_any_more_the_operator_is_told_of_all():
+    rehearsal = engaged()
+    for line in ("tractor receiver", "trailer receiver", "sensors"):
+        rehearsal.links.faults[line] = lambda now, data: []
+    list(rehearsal.run(1.2))
+    assert notices(rehearsal) == []
+    list(rehearsal.run(1.0))
+    assert notices(rehearsal) == [Cause.RECEIVER_SILENT, Cause.SENSOR_SILENT]

@@ -20,7 +20,7 @@ from drawbar.driving.preparation.dead_bands import dead_bands, steered_time
 from drawbar.driving.preparation.hand_calibration import board_counts, calibrate
 from drawbar.driving.preparation.hand_drive import HandDrive
 from drawbar.driving.stand_in.demonstration import with_stand_ins
-from drawbar.errors import ConfigurationError
+from drawbar.errors import ConfigurationError, DrawbarError
 from drawbar.machine.hardware.sensor_line import SensorBoardSettings
 from drawbar.machine.hardware.steer_board import BoardMemory
 from drawbar.messages import GateState
@@ -160,7 +160,7 @@ def test_a_drive_far_from_the_line_is_reported_with_settings_that_estimate_there
     assert changed.sanity.lost > changed.guidance.maximum_start_distance > 500.0
 
     told = []
-    content = SimpleNamespace(header=SimpleNamespace(configuration={}), records=())
+    content = SimpleNamespace(header=SimpleNamespace(configuration={}), records=(), losses=())
     monkeypatch.setattr("drawbar.recording.log.read_log", lambda log: content)
     monkeypatch.setattr("drawbar.config.recorded_configuration", lambda *_: machine)
     monkeypatch.setattr("drawbar.recording.drive_records.open_drive", lambda log: nullcontext([]))
@@ -259,3 +259,24 @@ def test_dead_time_lag_and_late_fixes_are_found_in_the_log_of_a_run(tmp_path):
 
 def sets(changes):
     return [word for change in changes for word in ("--set", change)]
+
+
+@pytest.mark.parametrize("steps", [0, 1, 4, 49])
+def test_a_log_that_was_cut_short_is_refused_and_what_it_lost_is_said(steps, machine, monkeypatch, tmp_path):
+    """Fewer steps than a second has ended in a traceback."""
+    told = []
+    content = SimpleNamespace(header=SimpleNamespace(configuration={}), records=(), losses=("it just stops",))
+    monkeypatch.setattr("drawbar.recording.log.read_log", lambda log: content)
+    monkeypatch.setattr("drawbar.config.recorded_configuration", lambda *_: machine)
+    monkeypatch.setattr("drawbar.recording.drive_records.open_drive", lambda log: nullcontext([]))
+    monkeypatch.setattr(cli_calibrate.console, "print", lambda text, **_: told.append(text))
+    monkeypatch.setattr(HandDrive, "of", lambda content: driven(machine).part(slice(steps)))
+    with pytest.raises(DrawbarError, match="is less than 10 s of driving; give the log of a longer drive"):
+        cli_calibrate._in_log(tmp_path)
+    assert told == [f"{tmp_path}: it just stops"]
+
+
+@pytest.mark.parametrize("steps", [2, 4])
+def test_less_than_a_second_shows_neither_a_straight_nor_a_circle(steps, machine):
+    short = driven(machine).part(slice(steps))
+    assert (short.straights(), short.circles()) == ([], [])

@@ -22,6 +22,8 @@ MOST = 8
 """that a record holds"""
 _SILENT = 0.5
 """after which a receiver or sensor is reported silent, s: single epochs are lost by radio"""
+_NOTHING = 1.5
+"""the same where nothing at all is heard any more, as when one cable carries everything, s: a receiver may tell 1 Hz"""
 _UNPAIRED = 2.0
 """without an epoch of both receivers, after which their times are reported, s"""
 _TURN = 0.5
@@ -93,6 +95,8 @@ class Notices:
         self._receivers = (_Heard(is_expected=True), _Heard(is_expected=has_trailer_receiver))
         self._sensors, self._pairs = (_Heard(), _Heard()), _Pairs()
         self._rejections = _Rejections()
+        self._newest = math.nan
+        """when anything was heard last, s"""
         self._reported: dict[Cause, None] = {}
         self._stays = False
         self._before = math.nan, 0.0  # time and yaw of the last estimate, s, rad
@@ -109,7 +113,7 @@ class Notices:
 
     def receive_fixes(self, fixes: Fixes) -> None:
         """Take in an epoch."""
-        time = seconds(fixes.epoch)
+        time = self._newest = seconds(fixes.epoch)
         for heard, newest in zip(self._receivers, (fixes.tractor_heard, fixes.trailer_heard), strict=True):
             heard.update(time, heard=bool(newest))
         self._pairs.update(time, heard=(fixes.tractor_heard, fixes.trailer_heard))
@@ -129,6 +133,9 @@ class Notices:
             far_apart: the antennas are not as far apart as the vehicle is long.
         """
         estimate, rejections = record.estimate, self._rejections
+        if estimate.time - self._newest > _NOTHING:
+            for each in (*self._receivers, *self._sensors):
+                each.update(estimate.time, heard=False)
         fixes = (estimate.tractor_fix, estimate.trailer_fix)
         alone = fixes.count(FixStatus.REJECTED) == 1
         rejections.tractor.update(holds=alone and fixes[0] is FixStatus.REJECTED)

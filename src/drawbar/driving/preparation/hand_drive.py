@@ -124,8 +124,8 @@ class HandDrive:
 
     @property
     def _second(self) -> int:
-        """Steps in about a second."""
-        return max(1, round(1.0 / max(float(np.median(np.diff(self.times))), 1e-3)))
+        """Steps in about a second, as many as there are at most."""
+        return max(1, min(round(1.0 / max(float(np.median(np.diff(self.times))), 1e-3)), len(self.times)))
 
     def _stretches(self, chosen: NDArray[np.bool_]) -> list[Self]:
         """Return the stretches in which all steps are chosen and none is missing."""
