@@ -272,6 +272,18 @@ def test_a_repeated_fix_stays_a_repetition() -> None:
     assert len(seen) == 1
 
 
+@pytest.mark.parametrize(("aging", "counts"), [(SAMPLE, False), (0.0, True)])
+def test_a_repeated_fix_counts_once_unless_it_is_as_new_as_before(aging: float, counts: bool) -> None:
+    """Receivers of 1 Hz repeat a fix with its age; those of a vehicle at rest report the same place anew."""
+    alignment = Alignment(LEANING)
+    for k in range(4):
+        now = straight(SAMPLE * k)
+        ages = dict.fromkeys(("tractor_fix_age", "trailer_fix_age"), 0.1 + aging * k)
+        aligned = alignment.apply(measurement(SAMPLE * k, (0.0, 0.0, -2.0, 0.0), **ages), now, now)
+        known = [math.isfinite(value) for value in (aligned.tractor_x, aligned.trailer_x)]
+        assert known == [counts or k == 0] * 2
+
+
 @pytest.mark.parametrize("forward", [-1.5, 0.3, 2.4])
 def test_a_run_begins_on_the_ground(forward: float) -> None:
     masts = Masts(tractor=Mast(forward=forward, left=0.2, up=2.5), trailer=Mast(left=-0.3, up=2.0))

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from itertools import count, pairwise
+from itertools import count, islice, pairwise
 
 import numpy as np
 import pytest
@@ -24,6 +24,35 @@ NOISE = math.radians(0.2)
 MASTS = VehicleParameters(masts=Masts(tractor=Mast(up=UP), trailer=Mast(up=UP)))
 LEVEL = VehicleParameters()
 Lean = Callable[[float], float]
+Slope = Callable[[float, float], tuple[float, float]]
+
+
+def level(_east: float, _north: float) -> tuple[float, float]:
+    return 0.0, 0.0
+
+
+def hills(seed: int, rms: float, length: float) -> Slope:
+    """Return by how much ground rises to the east and to the north at a place, rad.
+
+    It is the sum of six waves of random directions and of lengths about `length`, m; `rms` of the gradient, rad.
+    """
+    rng = np.random.default_rng(seed)
+    number, heading = 2.0 * math.pi / (length * rng.uniform(0.7, 1.4, 6)), rng.uniform(0.0, 2.0 * math.pi, 6)
+    phase, size = rng.uniform(0.0, 2.0 * math.pi, 6), rms / math.sqrt(3.0)
+
+    def slope(x: float, y: float) -> tuple[float, float]:
+        rise = size * np.cos(number * (np.cos(heading) * x + np.sin(heading) * y) + phase)
+        return float(rise @ np.cos(heading)), float(rise @ np.sin(heading))
+
+    return slope
+
+
+def passes(way: float) -> float:
+    """Return the yaw on passes of 40 m, with half circles of 6 m between them to either side in turn, rad."""
+    turn = 6.0 * math.pi
+    on = way % (2.0 * (40.0 + turn))
+    turned = math.pi * max(on % (40.0 + turn) - 40.0, 0.0) / turn
+    return turned if on < 40.0 + turn else math.pi - turned
 
 
 def east(_: float) -> float:
@@ -48,6 +77,8 @@ class Drive:
     yaw: Callable[[float], float] = east
     slope: float = 0.0
     """to the south, rad"""
+    ground: Slope = level
+    """beside it"""
     tractor: Lean = east
     """roll beside the slope's over the way, rad"""
     trailer: Lean = east
@@ -73,7 +104,10 @@ class Drive:
             for body, pose, lean, zero in sensors:
                 beside, told = lean(way), lean(way - self.late * self.speed)
                 mast = getattr(self.vehicle.masts, body)
-                roll, pitch = self.slope * math.cos(yaw) + beside, self.slope * math.sin(yaw)
+                rises, north = self.ground(pose.x, pose.y)
+                north += self.slope
+                roll = north * math.cos(yaw) - rises * math.sin(yaw) + beside
+                pitch = north * math.sin(yaw) + rises * math.cos(yaw)
                 arm = arm_offset(yaw, roll, pitch, (mast.forward, mast.left, mast.up))
                 fix = np.array([pose.x, pose.y]) + arm + rng.normal(0.0, self.noise, 2)
                 values |= {f"{body}_x": fix[0], f"{body}_y": fix[1]}
@@ -201,6 +235,21 @@ def test_what_is_stated_of_fixes_counts_where_receivers_tell_nothing() -> None:
 )
 def test_sensors_with_noise_and_zeros_are_believed(drive: Drive, seed: int) -> None:
     assert watched(replace(drive, seed=seed), lasts=200.0) == (math.inf, [0, 0])
+
+
+def test_on_hills_sensors_are_believed_and_their_zeros_are_as_uncertain_as_told() -> None:
+    """A slope that changes within metres is no error of a sensor."""
+    off, degree = list[float](), math.radians(1.0)
+    for seed in range(20):
+        alignment = Alignment(LEVEL)
+        drive = Drive(vehicle=LEVEL, yaw=passes, speed=1.5, ground=hills(seed, 4.0 * degree, 40.0))
+        for (_, before), (m, now) in islice(pairwise(drive.measurements()), 750):
+            past = believed(*before, time=m.time - SAMPLE, speed=drive.speed)
+            alignment.apply(m, past, believed(*now, time=m.time, speed=drive.speed))
+            assert not alignment.status
+        zero = alignment.live.array("positions.leans.bank.states").reshape(4, 6)[0, 2]
+        off.append(zero / math.sqrt(alignment.live.array("positions.leans.bank.covariance").reshape(6, 6)[2, 2]))
+    assert np.sqrt(np.mean(np.square(off))) < 2.0
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -19,6 +19,7 @@ enum { ROLL, PITCH };
 #define SIGNS 4                            /* hypotheses: bit 0, the tractor's roll is reversed; bit 1, the trailer's */
 #define SLOPE_PRIOR (8.0 * DRAWBAR_PI / 180.0)   /* its prior standard deviation, rad */
 #define SLOPE_WALK (0.2 * DRAWBAR_PI / 180.0)   /* least random walk of the slope, rad per square root of a metre */
+#define WALK_FALL 0.1                      /* share of a decrease of its variance that one piece may cause */
 #define ZERO_PRIOR (1.5 * DRAWBAR_PI / 180.0)   /* prior standard deviation of a zero, rad */
 #define ZERO_WALK (0.01 * DRAWBAR_PI / 180.0)   /* its random walk, rad per square root of a metre */
 #define LEAN_NOISE (1.0 * DRAWBAR_PI / 180.0)   /* least standard deviation of a measured angle, rad */
@@ -53,7 +54,8 @@ static inline int lean_bank_begun(const struct lean_bank *bank)
 }
 
 /* Adapt the variance of the slope's walk after each piece: its corrections there, squared, are expected to be the decrease of its
- * variance by them; what is beyond that the walk has left out (covariance matching, Mehra 1972). */
+ * variance by them; what is beyond that the walk has left out (covariance matching, Mehra 1972). The two corrections of one piece
+ * are often small by chance, so the walk decreases slowly. */
 static inline void lean_bank_adapt(struct lean_bank *bank)
 {
     const double east = bank->corrected[SLOPE_EAST], north = bank->corrected[SLOPE_NORTH];
@@ -61,7 +63,8 @@ static inline void lean_bank_adapt(struct lean_bank *bank)
 
     if (bank->piece < LEAN_CORRELATION)
         return;
-    bank->walk = fmax(bank->walk + beyond / (2.0 * bank->piece), SLOPE_WALK * SLOPE_WALK);
+    bank->walk += (beyond > 0.0 ? 1.0 : WALK_FALL) * beyond / (2.0 * bank->piece);
+    bank->walk = fmax(bank->walk, SLOPE_WALK * SLOPE_WALK);
     bank->corrected[SLOPE_EAST] = bank->corrected[SLOPE_NORTH] = bank->expected = bank->piece = 0.0;
 }
 

@@ -17,6 +17,7 @@ enum { ALIGNED_TRACTOR, ALIGNED_TRAILER, ALIGNED };
 
 struct reported_fix {
     double reported[2], aligned[2];        /* m */
+    double age;                            /* when it was last reported, s */
     int32_t known;
 };
 
@@ -146,7 +147,8 @@ static inline void watch_swing(struct position_alignment *positions, int body, c
                  noise, !lean_is_constant(&positions->leans.constant[body]), interval->elapsed);
 }
 
-/* Align one body's fix in place; NaN where it is too old or none. deviation: of the fix, as reported, m. */
+/* Align one body's fix in place; NaN where it is too old or none, or has been reported before and is older now. deviation: of the
+ * fix, as reported, m. */
 static inline void align_fix(struct position_alignment *positions, int body, const struct sample_interval *interval, double age,
                              double deviation, double *fix)
 {
@@ -165,8 +167,12 @@ static inline void align_fix(struct position_alignment *positions, int body, con
         fix[0] = fix[1] = (double)NAN;
         return;
     }
+    const double aged = age - known->age;
+    known->age = age;
     if (known->known && reported[0] == known->reported[0] && reported[1] == known->reported[1]) {
         memcpy(fix, known->aligned, sizeof known->aligned);
+        if (aged > 0.5 * interval->elapsed)    /* it has been taken in already */
+            fix[0] = fix[1] = (double)NAN;
         return;
     }
     if (has_mast) {
