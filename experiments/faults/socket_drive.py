@@ -21,7 +21,7 @@ from drawbar.driving.operator.requests import DemonstrationOperator, Operator
 from drawbar.driving.processes.drive_processes import DriveProcesses
 from drawbar.driving.stand_in.demonstration import with_isobus, with_stand_ins
 from drawbar.driving.stand_in.device_transports import BoardLine, CanLine, DataLine, SerialLine
-from drawbar.driving.stand_in.rehearsal import LOOK, STEP, Part
+from drawbar.driving.stand_in.rehearsal import LOOK, STEP, Participant
 from drawbar.driving.stand_in.simulated_links import SimulatedLinks
 from drawbar.driving.stand_in.stand_in_machine import stand_in_machine
 from drawbar.driving.stand_in.stand_in_main import PRIORITY
@@ -78,7 +78,7 @@ class SocketDrive:
                 opened.enter_context(end).setblocking(False)
             processes = DriveProcesses(configuration, run, stand_ins=False, pair=lambda: (of_controller, of_gate))
             opened.enter_context(processes)
-            self.stopped = StoppedParts(processes)
+            self.stopped = StoppedParticipants(processes)
             opened.callback(self.stopped.clear)  # what is frozen does not end
             self._processes, self._gate_socket = processes.by_name, processes.options.socket(GATE)
             self._endpoint = opened.enter_context(closing(Endpoint(processes.options.socket(FRONT_END))))
@@ -120,12 +120,12 @@ class SocketDrive:
         """Let the operator ask for something now."""
         self.operator.operator.ask(action, time.monotonic_ns(), value)
 
-    def end(self, part: Part) -> None:
+    def end(self, participant: Participant) -> None:
         """Let a process be killed, or the operator be gone."""
-        if part is Part.OPERATOR:
-            self.stopped.add(part)
+        if participant is Participant.OPERATOR:
+            self.stopped.add(participant)
         else:
-            self._processes[part.name.lower()].kill()
+            self._processes[participant.name.lower()].kill()
 
     def run(self, duration: float) -> tuple[()]:
         """Let a time pass, s; the steps are in the log."""
@@ -148,7 +148,7 @@ class SocketDrive:
         self.links.deliver(self.time)
         if self.time >= self._look:
             self._look = self.time + LOOK
-            if Part.OPERATOR not in self.stopped:
+            if Participant.OPERATOR not in self.stopped:
                 self.operator.look(time.monotonic_ns())
 
     def _receive(self) -> None:
@@ -193,32 +193,32 @@ def _offer(end: socket.socket, record: bytes) -> None:
         end.send(record)
 
 
-class StoppedParts(set[Part]):
+class StoppedParticipants(set[Participant]):
     """Parts that stand still: processes are frozen, the operator says nothing."""
 
     def __init__(self, processes: DriveProcesses) -> None:
         self._processes = processes.by_name
 
-    def add(self, part: Part) -> None:
-        """Freeze a part that runs."""
-        if part not in self:
-            self._signal(part, signal.SIGSTOP)
-        super().add(part)
+    def add(self, participant: Participant) -> None:
+        """Freeze a participant that runs."""
+        if participant not in self:
+            self._signal(participant, signal.SIGSTOP)
+        super().add(participant)
 
-    def discard(self, part: Part) -> None:
-        """Let a part that is frozen continue."""
-        if part in self:
-            self._signal(part, signal.SIGCONT)
-        super().discard(part)
+    def discard(self, participant: Participant) -> None:
+        """Let a frozen participant continue."""
+        if participant in self:
+            self._signal(participant, signal.SIGCONT)
+        super().discard(participant)
 
     def clear(self) -> None:
         """Let all continue."""
-        for part in list(self):
-            self.discard(part)
+        for participant in list(self):
+            self.discard(participant)
 
-    def _signal(self, part: Part, number: signal.Signals) -> None:
-        if part is not Part.OPERATOR:
-            self._processes[part.name.lower()].send_signal(number)
+    def _signal(self, participant: Participant, number: signal.Signals) -> None:
+        if participant is not Participant.OPERATOR:
+            self._processes[participant.name.lower()].send_signal(number)
 
 
 class BreakableLine:

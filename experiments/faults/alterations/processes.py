@@ -2,22 +2,22 @@
 
 import math
 
-from drawbar.driving.stand_in.rehearsal import Part
+from drawbar.driving.stand_in.rehearsal import Participant
 from drawbar.machine.stand_in.faults import FAULTS
 from drawbar.messages import Action
 
 
-def stopped(trial, part, seconds=math.inf):
-    """Let a part stand still, for a time."""
+def stopped(trial, participant, seconds=math.inf):
+    """Let a participant stand still, for a time."""
 
     def begin():
         end, rehearsal = trial.rehearsal.time + seconds, trial.rehearsal
-        rehearsal.stopped.add(part)
+        rehearsal.stopped.add(participant)
         before = rehearsal.machine.advance
 
         def advance(now):
             if now >= end:
-                rehearsal.stopped.discard(part)
+                rehearsal.stopped.discard(participant)
             return before(now)
 
         rehearsal.machine.advance = advance
@@ -25,29 +25,29 @@ def stopped(trial, part, seconds=math.inf):
     trial.begin = begin
 
 
-def ended(trial, part):
-    """Let a part end."""
-    trial.begin = lambda: trial.rehearsal.end(part)
+def ended(trial, participant):
+    """Let a participant end."""
+    trial.begin = lambda: trial.rehearsal.end(participant)
 
 
 def controller_ends(trial):
-    ended(trial, Part.CONTROLLER)
+    ended(trial, Participant.CONTROLLER)
 
 
 def controller_freezes(trial):
-    stopped(trial, Part.CONTROLLER)
+    stopped(trial, Participant.CONTROLLER)
 
 
 def controller_freezes_for_1_s(trial):
-    stopped(trial, Part.CONTROLLER, 1.0)
+    stopped(trial, Participant.CONTROLLER, 1.0)
 
 
 def controller_late_once(trial):
-    stopped(trial, Part.CONTROLLER, 0.08)
+    stopped(trial, Participant.CONTROLLER, 0.08)
 
 
 def controller_late_for_long(trial):
-    stopped(trial, Part.CONTROLLER, 0.2)
+    stopped(trial, Participant.CONTROLLER, 0.2)
 
 
 def controller_late_often(trial):
@@ -57,9 +57,9 @@ def controller_late_often(trial):
 
     def advance(now):
         if now < until[0]:
-            trial.rehearsal.stopped.add(Part.CONTROLLER)
+            trial.rehearsal.stopped.add(Participant.CONTROLLER)
         else:
-            trial.rehearsal.stopped.discard(Part.CONTROLLER)
+            trial.rehearsal.stopped.discard(Participant.CONTROLLER)
         return before(now)
 
     def make(chance, start):
@@ -77,31 +77,31 @@ def controller_late_often(trial):
 
 
 def receivers_freeze(trial):
-    stopped(trial, Part.RECEIVERS)
+    stopped(trial, Participant.RECEIVERS)
 
 
 def receivers_end(trial):
-    ended(trial, Part.RECEIVERS)
+    ended(trial, Participant.RECEIVERS)
 
 
 def guard_freezes(trial):
-    stopped(trial, Part.GUARD)
+    stopped(trial, Participant.GUARD)
 
 
 def recorder_freezes(trial):
-    stopped(trial, Part.RECORDER)
+    stopped(trial, Participant.RECORDER)
 
 
 def recorder_gone(trial):
-    ended(trial, Part.RECORDER)
+    ended(trial, Participant.RECORDER)
 
 
 def gate_gone(trial):
-    ended(trial, Part.GATE)
+    ended(trial, Participant.GATE)
 
 
 def gate_freezes_for_1_s(trial):
-    stopped(trial, Part.GATE, 1.0)
+    stopped(trial, Participant.GATE, 1.0)
 
 
 def suspended(trial):
@@ -112,7 +112,7 @@ def suspended(trial):
 
 
 def operator_gone(trial):
-    ended(trial, Part.OPERATOR)
+    ended(trial, Participant.OPERATOR)
 
 
 def operator_stops(trial):

@@ -13,23 +13,23 @@
 
 #define AGAIN 1e-3                         /* s; shorter than any sample */
 
-struct lasting {
+struct condition {
     time_stamp since;
     int32_t holds;
 };
 
 struct trust {
-    struct lasting contradicted, confirmed;
+    struct condition contradicted, confirmed;
     int32_t earned;                        /* both antennas have confirmed the estimate for long enough */
 };
 
 /* Update with whether a condition holds at this time; returns whether it has for the patience (s). */
-static inline int lasts(struct lasting *lasting, double time, int holds, double patience)
+static inline int has_held(struct condition *condition, double time, int holds, double patience)
 {
-    if (!lasting->holds || !isfinite(lasting->since))
-        lasting->since = time;
-    lasting->holds = holds;
-    return holds && time - lasting->since >= patience;
+    if (!condition->holds || !isfinite(condition->since))
+        condition->since = time;
+    condition->holds = holds;
+    return holds && time - condition->since >= patience;
 }
 
 /* Whether the estimate has been contradicted for long enough: for the patience (s) where it has earned trust, else twice in a
@@ -41,8 +41,8 @@ static inline int trust_overruled(struct trust *trust, double time, int agreeing
     const int contradicted = agreeing && rejected > (trust->earned ? 1 : 0);
     const double long_enough = trust->earned ? patience : AGAIN;
 
-    trust->earned |= lasts(&trust->confirmed, time, agreeing && rejected == 0, patience);
-    if (!lasts(&trust->contradicted, time, contradicted, long_enough))
+    trust->earned |= has_held(&trust->confirmed, time, agreeing && rejected == 0, patience);
+    if (!has_held(&trust->contradicted, time, contradicted, long_enough))
         return 0;
     trust->earned = trust->contradicted.holds = 0;
     return 1;

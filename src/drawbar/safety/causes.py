@@ -96,9 +96,9 @@ class Cause(Enum):
     SENSORS_LOST = (214, True, Response.STOP, "neither an RTK fix nor any speed is received",
         "check the receivers and the sensor board")
     # faults of sensors, found by the controller (driving/fault_detection/notices.py); the gate decides without them
-    RECEIVER_SILENT = (215, False, Response.NOTIFY, "a receiver is not heard",
+    RECEIVER_SILENT = (215, False, Response.NOTIFY, "nothing is received from a receiver",
         "check its power and its cable; run drawbar check")
-    SENSOR_SILENT = (216, False, Response.NOTIFY, "the hitch angle or the wheels' speed is not heard any more",
+    SENSOR_SILENT = (216, False, Response.NOTIFY, "the hitch angle or the wheels' speed is not received any more",
         "check power and cables of the sensor board and its sensors")
     POSITIONS_JUMPED = (217, False, Response.NOTIFY, "both antennas' positions have jumped, and are left out",
         "wait until the positions are right again; check base station and mount point")

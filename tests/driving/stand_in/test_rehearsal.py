@@ -11,7 +11,7 @@ from rehearsals import SEED, drive_until, errors, rehearse, released_after
 from drawbar.benchmark.paced_drives import EXACT
 from drawbar.config import load_configuration
 from drawbar.driving.stand_in.demonstration import with_stand_ins
-from drawbar.driving.stand_in.rehearsal import Part
+from drawbar.driving.stand_in.rehearsal import Participant
 from drawbar.geometry import wrap
 from drawbar.machine.hardware.receiver import ReceiverSettings
 from drawbar.machine.stand_in.breaking import moved, report_otherwise
@@ -192,7 +192,7 @@ def test_a_speed_over_ground_that_is_not_there_is_not_reported():
         return [(0.0, data)]
 
     rehearsal.links.faults["controller"] = fault
-    rehearsal.stopped.add(Part.RECEIVERS)
+    rehearsal.stopped.add(Participant.RECEIVERS)
     for _ in rehearsal.run(2.0):
         pass
     states = [state for state in told if isinstance(state, ControllerState)]

@@ -23,7 +23,7 @@ MOST = 8
 _SILENT = 0.5
 """after which a receiver or sensor is reported silent, s: single epochs are lost by radio"""
 _NOTHING = 1.5
-"""the same where nothing at all is heard any more, as when one cable carries everything, s: a receiver may tell 1 Hz"""
+"""the same where nothing at all arrives any more, as when one cable carries everything, s: receivers may have 1 Hz"""
 _UNPAIRED = 2.0
 """without an epoch of both receivers, after which their times are reported, s"""
 _TURN = 0.5

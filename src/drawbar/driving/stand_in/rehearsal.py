@@ -1,4 +1,4 @@
-"""Rehearsal: everything of a drive in one process, with the real bytes between its parts and a clock of its own.
+"""Rehearsal: everything of a drive in one process, with the real bytes between its participants and a clock of its own.
 
 Elsewhere this is called software in the loop. What runs on a machine runs here: receivers' bytes, navigation, control
 loop, gate, boards or valves. Only the wires are memory, and time is a number, so that a drive takes seconds and is the
@@ -44,7 +44,7 @@ LOOK = 0.2
 """between two looks of the operator, and two heartbeats, s"""
 
 
-class Part(Enum):
+class Participant(Enum):
     """A process of a drive, or the person at its front end."""
 
     RECEIVERS = auto()
@@ -56,10 +56,10 @@ class Part(Enum):
 
 
 _ROLES = {
-    Part.RECEIVERS: Role.RECEIVERS,
-    Part.CONTROLLER: Role.CONTROLLER,
-    Part.RECORDER: Role.RECORDER,
-    Part.GUARD: Role.GUARD,
+    Participant.RECEIVERS: Role.RECEIVERS,
+    Participant.CONTROLLER: Role.CONTROLLER,
+    Participant.RECORDER: Role.RECORDER,
+    Participant.GUARD: Role.GUARD,
 }
 
 
@@ -82,8 +82,8 @@ class Rehearsal:
         frame = LocalFrame(latitude=50.87, longitude=4.7)
         self.now = 0
         """ns"""
-        self.stopped: set[Part] = set()
-        """parts that do not run now, as after SIGSTOP; what comes for them waits"""
+        self.stopped: set[Participant] = set()
+        """those that do not run now, as after SIGSTOP; what comes for them waits"""
         self.links = SimulatedLinks()
         """carry bytes; their names: of "tractor receiver", "sensors", "tractor board" and so on, "tractor set
         point" to its board, "controller" and "operator" to the gate"""
@@ -154,10 +154,10 @@ class Rehearsal:
     def _tell_gate(self, message: Message) -> None:
         self.links.send(self.time, "operator", encode(message), self._operators.put)
 
-    def end(self, part: Part) -> None:
+    def end(self, participant: Participant) -> None:
         """Let a process end, or the operator be gone; the gate sees the end of the controller's."""
-        self.stopped.add(part)
-        self._controller_channel.gone |= part is Part.CONTROLLER
+        self.stopped.add(participant)
+        self._controller_channel.gone |= participant is Participant.CONTROLLER
 
     def run(self, duration: float) -> Iterator[tuple[StepRecord, Truth]]:
         """Yield each step with the truth at that time, for a time, s."""
@@ -180,14 +180,14 @@ class Rehearsal:
         for body, output in sent:
             self._arrive(body, output.data)
         self.links.deliver(self.time)
-        if Part.RECEIVERS not in self.stopped:
+        if Participant.RECEIVERS not in self.stopped:
             self._fixes += self._navigation.poll(self.time)
-        if Part.CONTROLLER not in self.stopped:
+        if Participant.CONTROLLER not in self.stopped:
             self._control()
         if self.time >= self._look:
             self._look = self.time + LOOK
             self._look_around()
-        if Part.GATE not in self.stopped:
+        if Participant.GATE not in self.stopped:
             self._run_gate()
         self._deliver()
         if self._guard.says_off(self.time):
@@ -246,10 +246,10 @@ class Rehearsal:
 
     def _look_around(self) -> None:
         now = self.now
-        if Part.OPERATOR not in self.stopped:
+        if Participant.OPERATOR not in self.stopped:
             self.operator.look(now)
         state = self.gate_state.state if self.gate_state else SupervisorState.BOOT
-        for part, role in _ROLES.items():
-            if part not in self.stopped:
+        for participant, role in _ROLES.items():
+            if participant not in self.stopped:
                 heartbeat = Heartbeat(sequence=0, time=now, valid_until=now + 10**9, role=role, healthy=1, state=state)
                 self._tell_gate(heartbeat)
