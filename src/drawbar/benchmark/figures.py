@@ -34,13 +34,14 @@ def row(probe: "Probe") -> dict[str, Any]:
     prepare, feedback = np.asarray(probe.prepare)[full], np.asarray(probe.feedback)[full]
     bounded = np.asarray(probe.iterations)[full] > 0
     total, floor = microseconds(prepare + feedback), float(1e6 * np.median(probe.floor))
+    phases = {"prepare": microseconds(prepare), "feedback": microseconds(feedback)}
     return {
         "problem": probe.name,
         "stages": probe.stages,
-        "prepare_us": float(1e6 * np.median(prepare)),
-        "feedback_us": float(1e6 * np.median(feedback)),
+        "prepare_us": phases["prepare"]["median"],
+        "feedback_us": phases["feedback"]["median"],
         "total_us": total,
-        "phases_us": {"prepare": microseconds(prepare), "feedback": microseconds(feedback)},
+        "phases_us": phases,
         "floor_us": floor,
         "ratio_to_floor": total["median"] / floor,
         "bounded_share": float(bounded.mean()),
