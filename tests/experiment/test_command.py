@@ -100,6 +100,10 @@ def test_a_quick_look_leaves_the_results_in_the_experiments_folder(
     assert str(look / "results.md") in said
     assert results(experiment) == committed
     assert "2 runs, 0 of them given up" in (look / "results.md").read_text("utf-8")
+    (tmp_path / "file").touch()
+    code, said = drawbar(folder, "--seeds", "9", "--out", str(tmp_path / "file"))
+    assert (code, len(finished(experiment))) == (2, 4), said  # refused before anything is driven
+    assert "cannot be written" in said
 
 
 def test_a_worker_killed_on_a_cluster_loses_nothing(write_experiment: Write, two_cases: str, tmp_path: Path) -> None:

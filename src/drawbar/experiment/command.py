@@ -15,6 +15,7 @@ from drawbar.experiment.experiment import FOLDER, Experiment, find_experiments, 
 from drawbar.experiment.measure import Runs, measure
 from drawbar.experiment.measured import REPORT_NAME, ByCase, Figures, MeasuredExperiment, NotDrivenError
 from drawbar.experiment.progress import RunsProgress
+from drawbar.experiment.writing import writing
 
 
 def run_experiments(
@@ -55,6 +56,8 @@ def _conduct(
 ) -> MeasuredExperiment:
     """Run one experiment, write its results, and print what was missed."""
     folder = out / experiment.folder.name if out else experiment.folder
+    with writing(folder):
+        folder.mkdir(parents=True, exist_ok=True)
     analysis = load_analysis(experiment.folder)
     counts = {case: len(tasks) for case, tasks in experiment.tasks(seeds).items()}
     for case, reason in experiment.left_out.items():

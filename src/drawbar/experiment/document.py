@@ -43,8 +43,6 @@ def write_results(measured: MeasuredExperiment, elements: Sequence[Element], fol
     """Write tables (CSV), pictures (SVG), results.md and the summary into a folder; None: the experiment's own."""
     own = measured.experiment.folder
     folder = folder or own
-    with writing(folder):
-        folder.mkdir(parents=True, exist_ok=True)
     for element in elements:
         element.write(folder)
     title = f"# {measured.experiment.settings.title}"

@@ -54,7 +54,7 @@ def test_nothing_leaves_in_one_step(model, name, nominal, body, declared, bounda
 
 
 @pytest.mark.parametrize(("model", "name"), BODIES)
-def test_work_points_may_change_at_every_step(model, name, body, declared):
+def test_operating_points_may_change_at_every_step(model, name, body, declared):
     rng = np.random.default_rng(10)
     vehicle, settings = body(model, name), declared[model, name]
     tube = tube_of(name, vehicle, settings, Nominal.PROPAGATED)
@@ -124,7 +124,7 @@ def test_a_gain_of_the_wrong_sign_has_no_set(body):
         )
 
 
-def test_work_points_too_far_apart_have_no_common_set(body, declared):
+def test_operating_points_too_far_apart_have_no_common_set(body, declared):
     wide = TubeOperatingRange(speed=(0.1, 2.0), tractor_slip=(0.3, 1.0))
     with pytest.raises(TubeError, match=r"tube\.operating_range"):
         tube_of("tractor", body("articulated", "tractor", wide), declared["articulated", "tractor"], Nominal.PROPAGATED)

@@ -103,7 +103,7 @@ def test_in_a_curve_the_tractor_turns_faster_per_steering_and_its_errors_stay_th
     assert errors.B[-1] == pytest.approx(np.array(error(np.zeros(3), 1e-4)) / 1e-4, abs=4e-3)
 
 
-def test_work_points_cover_the_declared_ranges_after_their_middle():
+def test_operating_points_cover_the_declared_ranges_after_their_middle():
     conditions = OperatingConditions(
         vehicle=VEHICLE,
         ranges=TubeOperatingRange(speed=(0.8, 1.0), tractor_slip=(0.8, 1.0)),

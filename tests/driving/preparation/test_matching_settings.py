@@ -41,8 +41,10 @@ def test_each_contradiction_is_refused_with_both_settings_and_why(change):
 
 
 def test_equal_limits_match():
-    changes = ["speed=2.0", "safety.envelope.speed=2.0", "safety.engage.lateral_deviation=0.08"]
-    demand_matching_settings(load_configuration("articulated", changes))
+    equal = ["speed=2.0", "safety.envelope.speed=2.0", "safety.engage.lateral_deviation=0.08"]
+    demand_matching_settings(load_configuration("articulated", equal))
+    with pytest.raises(ConfigurationError, match=r"speed = 2 m/s is above safety\.envelope\.speed = 1\.999 m/s"):
+        demand_matching_settings(load_configuration("articulated", [*equal, "safety.envelope.speed=1.999"]))
 
 
 @pytest.mark.parametrize("command", ["drive", "check"])

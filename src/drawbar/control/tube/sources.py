@@ -84,16 +84,16 @@ def invariant_set(body: str, A: Floats, rates: Floats, sources: Sequence[Source]
     kept = [source.within(bounded) for source in sources]
     # rows: half-widths that the operating point v asks for, as directions of e
     asked = np.linalg.solve(basis.T, loops - middle)
-    units = [_work_point(row[None]) for row in basis]
+    units = [_operating_point(row[None]) for row in basis]
     parts = InvariantSet.of(middle, (*kept, *units), np.arange(len(bounded))).contributions(
         asked.reshape(-1, len(bounded))
     )
     parts = parts.reshape(len(loops), len(bounded), -1)
     size = _self_consistent(body, parts[:, :, len(kept) :], parts[:, :, : len(kept)].sum(axis=2))
-    return InvariantSet.of(middle, (*kept, _work_point(size[:, None] * basis)), bounded)
+    return InvariantSet.of(middle, (*kept, _operating_point(size[:, None] * basis)), bounded)
 
 
-def _work_point(segments: Floats) -> Source:
+def _operating_point(segments: Floats) -> Source:
     return Source(name=OPERATING_POINT, unit="", bound=1.0, generators=segments[None])
 
 
