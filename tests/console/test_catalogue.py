@@ -88,16 +88,19 @@ def test_contrast_is_enough_for_texts_and_more_for_figures(look):
     css = (CONSOLE / "static" / "console.css").read_text("utf-8")
     block = re.search(rf"body\.body--{look} \{{(.*?)\}}", css, re.DOTALL).group(1)
     colours = dict(re.findall(r"--(\w+): (#\w{6})", block))
+    fills = dict(re.findall(r"--(\w+)-fill: (#\w{6})", block))
     for ground in ("ground", "panel"):
         assert contrast(colours["ink"], colours[ground]) >= 7.0  # figures
         assert contrast(colours["soft"], colours[ground]) >= 4.5
         assert contrast(colours["edge"], colours[ground]) >= 3.0  # borders of controls
     for tone in ("good", "warn", "bad", "idle"):
-        assert contrast(colours["on"], colours[tone]) >= 4.5
+        fill = fills.get(tone, colours[tone])
+        assert contrast(colours["on"], fill) >= 4.5
         assert contrast(colours[tone], colours["ground"]) >= 3.0
+        assert look == "light" or luminance(fill) < 0.08, "large fields do not dazzle in a dark cab"
     assert contrast("#ffffff", "#b00020") >= 4.5  # stop
     for kind, tone in (("positive", "good"), ("warning", "warn")):  # messages; Quasar's own have too little
-        assert f".q-notification.bg-{kind} {{ background: var(--{tone}) !important; color: var(--on)" in css
+        assert f".q-notification.bg-{kind} {{ background: var(--{tone}-fill) !important; color: var(--on)" in css
     assert contrast("#ffd800", "#1c1c1c") >= 7.0  # emergency
     curves = re.search(rf"  {look}: \[(.*?)\]", (CONSOLE / "static" / "plots.js").read_text("utf-8")).group(1)
     for curve in re.findall(r"#\w{6}", curves):

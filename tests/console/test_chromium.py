@@ -245,3 +245,20 @@ def test_a_drive_by_hand_is_evaluated(drive, page):
     page.get_by_text("Found:").wait_for()
     assert page.get_by_text("✖ front wheels: scale").count() == 1
     assert page.troubles == []
+
+
+BETWEEN_LEFT_CARDS = """() => {
+  const cards = [...document.querySelectorAll(".set-up > div:not(.numbers-column) > .card, .set-up > .card")];
+  const edges = cards.map((each) => each.getBoundingClientRect());
+  return edges.slice(1).map(({ top }, i) => top - edges[i].bottom);
+}"""
+"""px between the cards beside the numbers"""
+
+
+def test_on_a_small_tablet_nothing_is_left_empty_beside_the_numbers(drive, page):
+    page.set_viewport_size({"width": 1024, "height": 768})
+    page.goto(f"{drive}setup")
+    page.get_by_text("Calibrate by driving").wait_for()
+    between = page.evaluate(BETWEEN_LEFT_CARDS)
+    assert len(between) == 2
+    assert max(between) < 40

@@ -77,7 +77,7 @@ class CalibrationCard:
                 self._keep = self._button("calibrate_keep", self._save).classes("main")
             self._said = ui.label().classes("note").props("role=status")
             self._track = ui.echart(plot_options("m", "m")).classes("track-plot")
-            self._angles = LivePlot("angle-plot")
+            self._angles = LivePlot(words("plot_time"), "angle-plot")
             self._found = ui.element("div")
         self._track.set_visibility(False)
         self._angles.set_visibility(False)

@@ -45,7 +45,7 @@ class InsidePage:
                 self._names.add_slot("selected-item", _CHOSEN)
                 self._pause = ui.button(words("pause"), on_click=self._toggle, color=None)
                 self._pause.props("no-caps unelevated").classes("action")
-            self._plot = LivePlot()
+            self._plot = LivePlot(words("plot_time"))
             self._said = ui.label(words("no_steps")).classes("note")
         self._choose()
 

@@ -31,15 +31,16 @@ class Curve:
 class LivePlot:
     """The plot of one page."""
 
-    def __init__(self, look: str = "plot", drawn: Callable[[], None] = lambda: None) -> None:
+    def __init__(self, time: str, look: str = "plot", drawn: Callable[[], None] = lambda: None) -> None:
         """Build it, without curves.
 
         Args:
+            time: what its horizontal axis is called.
             look: its class in console.css.
             drawn: called when a browser has drawn a picture.
         """
         self._flow, self._tell = FlowControl(), drawn
-        self._chart = ui.echart(_options()).classes(look)
+        self._chart = ui.echart(_options(time)).classes(look)
         self._chart.on("plotted", self._drawn, args=[])
         self.set_visibility = self._chart.set_visibility
 
@@ -79,7 +80,7 @@ def _line(number: int, curve: Curve) -> dict[str, Any]:
     }
 
 
-def _options() -> dict[str, Any]:
+def _options(time: str) -> dict[str, Any]:
     axis = {"axisLabel": {"fontSize": 14}}
     return {
         "animation": False,
@@ -88,7 +89,7 @@ def _options() -> dict[str, Any]:
         "grid": {"left": 8, "right": 16, "top": 64, "bottom": 34, "containLabel": True},
         "xAxis": {
             "type": "value",
-            "name": "s",
+            "name": time,
             "nameLocation": "middle",
             "nameGap": 26,
             "min": -SPAN,

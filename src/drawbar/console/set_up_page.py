@@ -43,20 +43,20 @@ class SetUpPage:
         self._due, self._fills = 0, False
         ui.add_head_html('<script src="/drawbar/plots.js"></script>')
         self._head = PageHead(link, visitor, words, words("setup"), login=login)
-        with ui.element("div").classes("page wide"):
-            with ui.element("div").classes("columns"):
-                with ui.element("div"):
-                    with ui.element("section").classes("card"):
-                        self._drawing = ui.html("", sanitize=False)
-                        ui.label(words("drawing_help")).classes("note")
-                    self._build_devices()
-                with ui.element("div"):
-                    for title, values in GROUPS:
-                        self._build_group(title, values)
-                    self._build_saving()
-                    self._versions = ui.element("section").classes("card")
+        with ui.element("div").classes("page wide"), ui.element("div").classes("columns set-up"):
+            with ui.element("div"):
+                with ui.element("section").classes("card"):
+                    self._drawing = ui.html("", sanitize=False)
+                    ui.label(words("drawing_help")).classes("note")
+                self._build_devices()
+            with ui.element("div").classes("numbers-column"):
+                for title, values in GROUPS:
+                    self._build_group(title, values)
+                self._build_saving()
+                self._versions = ui.element("section").classes("card")
+                self._build_valve()
             if self._may_change:
-                self._build_calibrations()
+                self._calibration = CalibrationCard(next_drive, link, words, self._take_found)
         self._reset()
 
     def refresh(self) -> None:
@@ -65,8 +65,8 @@ class SetUpPage:
         self._save.set_enabled(self._may_save())
         if self._may_change:
             self._calibration.refresh()
-            if self._valve is not None:
-                self._valve.refresh()
+        if self._valve is not None:
+            self._valve.refresh()
         now = self._link.clock()
         if now < self._due:
             return
@@ -79,16 +79,13 @@ class SetUpPage:
             for label, text in zip(self._devices[state.name], ("✓" if good else "!", rate, age), strict=True):
                 label.set_text(text)
 
-    def _build_calibrations(self) -> None:
-        """Build the cards beside each other, below all numbers: on a phone the numbers and their saving come first."""
-        next_drive, link, words = self._next_drive, self._link, self._words
-        devices = next_drive.driven.devices
+    def _build_valve(self) -> None:
+        """Build the card of a valve without a loop of its own, for those who may move it."""
+        devices = self._next_drive.driven.devices
         self._valve: ValveCard | None = None
-        with ui.element("div").classes("columns"):
-            self._calibration = CalibrationCard(next_drive, link, words, self._take_found)
-            if devices is not None and devices.bare_valve is not None:
-                note = partial(self._audit.write, self._visitor, "PUSH")
-                self._valve = ValveCard(next_drive, link, words, self._take_found, note)
+        if self._may_change and devices is not None and devices.bare_valve is not None:
+            note = partial(self._audit.write, self._visitor, "PUSH")
+            self._valve = ValveCard(self._next_drive, self._link, self._words, self._take_found, note)
 
     def _build_group(self, title: str, values: tuple[SetUpValue, ...]) -> None:
         with ui.element("section").classes("card"):

@@ -65,7 +65,7 @@ class ValveCard:
                 self._begin = self._button("valve_begin", self._push).classes("main")
                 self._stop = self._button("valve_stop", self._end).classes("halt")
             self._said = ui.label().classes("note").props("role=status")
-            self._plots = [LivePlot("push-plot", self._attend) for _ in _CURVES]
+            self._plots = [LivePlot(words("plot_time"), "push-plot", self._attend) for _ in _CURVES]
             self._found = ui.element("div")
             self._keep = self._button("valve_keep", self._save).classes("main")
         for plot in self._plots:
