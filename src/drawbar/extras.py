@@ -11,30 +11,29 @@ _OF_EXTRA = re.compile(r"""(?P<requirement>[^;]+);.*\bextra\s*==\s*['"](?P<extra
 _NAME = re.compile(r"[\w.-]+")
 
 
-def require_extra(extra: str, who: str) -> None:
-    """Raise DrawbarError, with the command that helps, where a package of an extra is not installed.
+def require_extra(who: str, *extras: str) -> None:
+    """Raise DrawbarError, with the command that helps, where a package of extras is not installed.
 
     Args:
-        extra: of pyproject.toml, e.g. "machine".
-        who: needs it, as a sentence begins; e.g. "drawbar drive".
+        who: needs them, as a sentence begins; e.g. "drawbar drive".
+        extras: of pyproject.toml, e.g. "machine".
     """
-    missing = [name for name in map(_package, _requirements(extra)) if not _is_installed(name)]
+    missing = [name for name in map(_package, _requirements(*extras)) if not _is_installed(name)]
     if missing:
-        raise DrawbarError(
-            f"{who} needs what is not installed here ({', '.join(missing)}); install it with: {install_command(extra)}"
-        )
+        command = install_command(*extras)
+        raise DrawbarError(f"{who} needs what is not installed here ({', '.join(missing)}); install it with: {command}")
 
 
-def install_command(extra: str) -> str:
-    """Return the command that installs what an extra of drawbar brings, wherever drawbar itself came from."""
+def install_command(*extras: str) -> str:
+    """Return the command that installs what extras of drawbar bring, wherever drawbar itself came from."""
     # the extra's own name would need drawbar from a registry, where it may not be
-    return f"{shlex.quote(sys.executable)} -m pip install {' '.join(map(shlex.quote, _requirements(extra)))}"
+    return f"{shlex.quote(sys.executable)} -m pip install {' '.join(map(shlex.quote, _requirements(*extras)))}"
 
 
-def _requirements(extra: str) -> list[str]:
-    """Return what an extra asks for, each with its least version."""
+def _requirements(*extras: str) -> list[str]:
+    """Return what extras ask for, each with its least version."""
     found = (_OF_EXTRA.fullmatch(line.strip()) for line in requires("drawbar") or [])
-    return [each["requirement"].strip() for each in found if each and each["extra"] == extra]
+    return [each["requirement"].strip() for each in found if each and each["extra"] in extras]
 
 
 def _package(requirement: str) -> str:

@@ -75,7 +75,8 @@ def metres(value: float) -> float:
     """Return a length; raise ValueError for one that must be in another unit."""
     if abs(value) > LONGEST:
         raise ValueError(
-            f"{value} is not a length in metres up to {LONGEST:g} m; millimetres? {value:g} mm = {value / 1000:g} m"
+            f"{value} is not a length in metres up to {LONGEST:g} m; "
+            f"{value:g} cm = {value / 100:g} m, {value:g} mm = {value / 1000:g} m"
         )
     return value
 
@@ -104,7 +105,7 @@ DeadTime = Annotated[float, Field(ge=0.0, le=5.0)]
 """Of a simulated actuator, s: commands are kept for so long."""
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
 Length = Annotated[float, Field(gt=0.0), AfterValidator(metres)]
-"""A length of a vehicle's part or a distance near it, m; one above 30 m is taken for millimetres and refused."""
+"""A length of a vehicle's part or a distance near it, m; one above 30 m is taken for another unit and refused."""
 NonNegativeLength = Annotated[float, Field(ge=0.0), AfterValidator(metres)]
 MastHeight = Annotated[float, Field(ge=0.0), AfterValidator(mast_height)]
 """Of an antenna above the ground, m; one above 6 m is taken for feet and refused."""

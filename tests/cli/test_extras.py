@@ -20,9 +20,9 @@ MACHINE = '[devices.tractor_receiver]\ntransport = "udp://127.0.0.1:1"\n'
 def without(monkeypatch: pytest.MonkeyPatch):
     """Return the function after which a package is not installed."""
 
-    def hide(package: str) -> None:
+    def hide(*packages: str) -> None:
         def found(name: str) -> Distribution:
-            if name == package:
+            if name in packages:
                 raise PackageNotFoundError(name)
             return distribution(name)
 
@@ -35,7 +35,7 @@ def without(monkeypatch: pytest.MonkeyPatch):
     ("arguments", "package", "who"),
     [
         ("drive --seconds 0.1", "foxglove-sdk", "drawbar drive"),
-        ("drive --console --seconds 0.1", "nicegui", "the console"),
+        ("drive --console --seconds 0.1", "nicegui", "drawbar drive --console"),
         ("check my.toml", "pysbf2", "drawbar check"),
         ("stand-in my.toml", "pyserial", "drawbar stand-in"),
         ("experiment all", "distributed", "drawbar experiment"),
@@ -86,5 +86,12 @@ def test_what_an_export_lacks_is_told_before_the_log_is_read(drawbar: Drawbar, w
 
 def test_what_is_installed_is_not_missed() -> None:
     for extra in ("console", "experiments", "machine", "physics"):
-        assert extras.require_extra(extra, "nobody") is None
+        assert extras.require_extra("nobody", extra) is None
         assert extras.install_command(extra).count(">=") >= 1, "and there is something to miss"
+
+
+def test_a_drive_with_its_console_lacks_both_extras_in_one_message(drawbar: Drawbar, without) -> None:
+    without("pyserial", "nicegui")
+    code, said = drawbar("drive", "--console")
+    assert code == 2
+    assert "not installed here (nicegui, pyserial)" in said.replace("\n", " ")

@@ -13,6 +13,7 @@ from drawbar.report import decimation
 from drawbar.report.metrics import compute_metrics
 from drawbar.report.page import render_page
 from drawbar.report.path_errors import estimated_path_errors, true_path_errors
+from drawbar.report.tables import key_figures
 
 SECTIONS = [
     *("map", "errors", "heading", "speed", "hitch", "tractor-steering", "trailer-steering"),
@@ -183,3 +184,38 @@ def test_a_run_without_a_step_is_headed_as_a_run_and_a_drive_as_a_drive(make_run
     began = Became(time=0.0, state=SupervisorState.STANDBY, cause=None)
     for log, events, kind in ((nothing, [], "run"), (nothing, [began], "drive"), (blind, [], "drive")):
         assert f"drawbar {kind}" in "".join(Elements(render(log, events)).visible)
+
+
+def with_progress(log, progress):
+    def moved(record, place):
+        tractor = dataclasses.replace(record.reference.tractor, progress=place)
+        return dataclasses.replace(record, reference=dataclasses.replace(record.reference, tractor=tractor))
+
+    records = tuple(moved(record, place) for record, place in zip(log.records, progress, strict=True))
+    return dataclasses.replace(log, records=records)
+
+
+@pytest.mark.parametrize(
+    ("places", "over"),
+    [
+        (np.linspace(0.0, 80.0, 50), "distance"),
+        (np.linspace(0.01, -0.02, 50), "time"),  # it stood
+        (np.r_[np.nan, np.linspace(40.0, 5.0, 24), np.linspace(5.0, 60.0, 25)], "time"),  # driven back by hand first
+        (np.full(50, np.nan), "distance"),
+    ],
+)
+def test_over_the_path_is_drawn_from_least_to_most_and_over_time_where_it_did_not_lead_on(make_run, places, over):
+    data = data_of(render(with_progress(make_run(steps=50), places.tolist())))
+    assert data["over"] == over
+    known = places[np.isfinite(places)]
+    span = [known.min(), known.max()] if known.size else [0.0, 1.0]
+    assert data["span"] == pytest.approx(span)
+    for name in data["along"]:
+        assert data["figures"][name]["layout"]["xaxis"]["range"] == data["span"]
+
+
+def test_large_figures_stand_in_one_line(make_run):
+    log = make_run(steps=50)
+    metrics = compute_metrics(log, true_path_errors(log))
+    shown = dict(key_figures(dataclasses.replace(metrics, length_m=20045.4, duration_s=999.9)))
+    assert (shown["distance driven"], shown["duration"]) == ("20045 m", "999.9 s")

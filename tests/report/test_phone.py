@@ -15,6 +15,11 @@ OVERLAPS = """Array.from(document.querySelectorAll('.figure'), figure => {
   return legend && legend.top < title.bottom && title.top < legend.bottom ? figure.id : null;
 }).filter(Boolean)"""
 
+LEGENDS_BELOW = """Array.from(document.querySelectorAll('.figure'), figure => {
+  const [title, legend] = ['.xtitle', '.legend'].map(part => figure.querySelector(part).getBoundingClientRect());
+  return legend.top > title.top;
+}).filter(Boolean).length"""
+
 COVERED = """Array.from(document.querySelectorAll('.figure'), figure => {
   const buttons = figure.querySelector('.modebar')?.getBoundingClientRect();
   return buttons && Array.from(figure.querySelectorAll('.annotation'), label => label.getBoundingClientRect())
@@ -72,3 +77,10 @@ def test_buttons_cover_no_label_of_a_curve(phone):
     assert phone.evaluate("document.querySelectorAll('.figure .modebar').length") > 5
     assert phone.evaluate("document.querySelectorAll('.figure .annotation').length") > 5
     assert phone.evaluate(COVERED) == []
+
+
+def test_legends_stay_beside_when_the_phone_is_turned(phone):
+    for size, below in (({"width": 740, "height": 360}, 0), (PHONE, phone.locator(".figure").count())):
+        phone.set_viewport_size(size)
+        phone.wait_for_function(f"{LEGENDS_BELOW} === {below}", timeout=1e3 * LONGEST)
+        assert phone.evaluate(OVERLAPS) == []

@@ -117,7 +117,7 @@ def _pushed(config: "Configuration") -> "list[CalibrationResult]":
     from drawbar.extras import require_extra
     from drawbar.machine.hardware.calibration import CalibrationLimits
 
-    require_extra("machine", "drawbar calibrate --push")
+    require_extra("drawbar calibrate --push", "machine")
     settings = bare_valve_settings(config)
     limits = CalibrationLimits()
     console.print(

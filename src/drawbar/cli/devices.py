@@ -37,7 +37,7 @@ def check(
     """
     from drawbar.extras import require_extra
 
-    require_extra("machine", "drawbar check")
+    require_extra("drawbar check", "machine")
     from drawbar.driving.devices.path_frame import local_frame
     from drawbar.driving.preparation import check as checking  # imports the extra
     from drawbar.driving.preparation.matching_settings import demand_matching_settings
@@ -151,7 +151,7 @@ def stand_in(
     from drawbar.extras import require_extra
     from drawbar.machine.stand_in.faults import planned_fault
 
-    require_extra("machine", "drawbar stand-in")
+    require_extra("drawbar stand-in", "machine")
     faults = [planned_fault(text) for text in fault or []]
     config = _with_devices(configuration, changes)
     assert config.devices is not None

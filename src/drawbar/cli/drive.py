@@ -80,9 +80,10 @@ def drive(
     from drawbar.extras import require_extra
     from drawbar.recording.log import LOG_NAME
 
-    require_extra("machine", "drawbar drive")
     if with_console:
+        require_extra("drawbar drive --console", "machine", "console")
         _demand_real_time(pace)
+    require_extra("drawbar drive", "machine")
     if remember:
         _demand_what_is_remembered(configuration, changes or [], shadow=shadow)
     changes = [*_line_change(configuration, track, changes or []), *(changes or [])]

@@ -25,7 +25,7 @@ def experiment(
     """Drive every case of an experiment with many seeds, and write its tables and figures."""
     from drawbar.extras import require_extra
 
-    require_extra("experiments", "drawbar experiment")
+    require_extra("drawbar experiment", "experiments")
     from drawbar.experiment.command import run_experiments  # imports the extras
 
     one_cluster(jobs, cluster)

@@ -74,7 +74,7 @@ def _writer(option: str) -> Callable[["RunLog", FilePath], None]:
         return write_geojson
     from drawbar.extras import require_extra
 
-    require_extra("machine", "--ros2")
+    require_extra("--ros2", "machine")
     from drawbar.recording.ros2 import write_ros2  # imports the extra
 
     return write_ros2

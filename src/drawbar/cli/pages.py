@@ -42,7 +42,7 @@ class Pages:
         from drawbar.driving.messaging.console_options import ConsoleOptions
         from drawbar.extras import require_extra
 
-        require_extra("console", "the console")
+        require_extra("the console", "console")
         given = asdict(self)
         given |= {"names": tuple(given.pop("name") or ()), "port": free_port(self.host, self.port)}
         options = ConsoleOptions(folder=folder, configuration=configuration, runs=runs, stand_ins=stand_ins, **given)

@@ -30,7 +30,7 @@ def replay(
     if is_drive(log):
         from drawbar.extras import require_extra
 
-        require_extra("machine", "drawbar replay of a drive")
+        require_extra("drawbar replay of a drive", "machine")
         from drawbar.driving.evaluation.replay import replay_drive  # imports the extra
 
         recomputed = replay_drive(log, changes or [])

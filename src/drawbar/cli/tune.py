@@ -30,7 +30,7 @@ def tune(
     """Search weights or look-ahead for the least error and the least steering; the same command continues."""
     from drawbar.extras import require_extra
 
-    require_extra("experiments", "drawbar tune")
+    require_extra("drawbar tune", "experiments")
     from drawbar.experiment.tuning import command  # imports the extras
     from drawbar.experiment.tuning.parameters import read_space
 

@@ -271,8 +271,8 @@ ERRORS_DE: Mapping[str, str] = {
         "{0}eine Zahl muss 0 sein oder auf einer Seite davon {1} bis {2}",
     "{} m is higher than an antenna stands, {} m; feet? {} ft = {} m":
     "{} m ist höher, als eine Antenne steht, {} m; Fuß? {} ft = {} m",
-    "{} is not a length in metres up to {} m; millimetres? {} mm = {} m":
-        "{0} m ist zu lang, höchstens {1} m; sind das Millimeter? {2} mm = {3} m",
+    "{} is not a length in metres up to {} m; {} cm = {} m, {} mm = {} m":
+        "{0} m ist zu lang, höchstens {1} m; {2} cm = {3} m, {4} mm = {5} m",
     "{} is not an angle in radians within ±π; degrees? {}° = {} rad":
         "{0} rad ist kein Winkel innerhalb von ±180°; sind das Grad? {1}° = {2} rad",
     "{} is not a speed in m/s up to {} m/s; km/h? {} km/h = {} m/s":

@@ -10,10 +10,30 @@ from drawbar.signals import Flag, Status
 _IDLE = [status for status in Status if status in (Status.POSITION, Status.START) or status.has_ended]
 """what a step is before a run has begun, and once it has ended"""
 
+_BACK = 1.0
+"""m; a way back along the path that is less is the noise of one that stands"""
+
 
 def along(log: Columns, body: str) -> Floats:
     """Return where a body is along the path, as the controller saw it, (n,) in m."""
     return log.column(f"reference.{body}.progress")
+
+
+def span_along(log: Columns) -> tuple[float, float]:
+    """Return from where to where along the path the tractor was, m; (0, 1) where that is not known."""
+    progress = along(log, "tractor")
+    known = progress[np.isfinite(progress)]
+    return (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
+
+
+def leads_on(log: Columns) -> bool:
+    """Return whether the tractor went along the path, and nowhere back: then curves over it can be read."""
+    progress = along(log, "tractor")
+    known = progress[np.isfinite(progress)]
+    if not known.size:
+        return True
+    back = float((np.maximum.accumulate(known) - known).max())
+    return back < _BACK < float(np.ptp(known))
 
 
 def estimated(log: Columns) -> NDArray[np.bool_]:

@@ -8,7 +8,7 @@ import numpy as np
 from drawbar.geometry import Floats
 from drawbar.recording.log import Columns
 from drawbar.report import style
-from drawbar.report.columns import actual_steering, along
+from drawbar.report.columns import actual_steering, along, span_along
 from drawbar.report.decimation import extremes
 from drawbar.report.path_errors import Bodies, PathErrors
 from drawbar.report.shades import class_shades
@@ -21,8 +21,7 @@ _BINS_PER_DECADE = 30
 
 
 def _along_figure(log: Columns, traces: list[dict[str, Any]], title: str, **y_options: Any) -> Figure:
-    progress = along(log, "tractor")
-    span = [float(progress[0]), float(progress[-1])] if progress.size else [0.0, 1.0]
+    span = list(span_along(log))
     hover = {"text": "<b>%{x:.1f} m</b>"}
     x = axis("Along the path, m", range=span, unifiedhovertitle=hover, zeroline=False)
     shades = class_shades(log.header.path)
@@ -41,12 +40,11 @@ def _of_step(
 
 
 def _bound_lines(
-    log: Columns, body: str, name: str, bounds: tuple[float, float], colour: str = style.REFERENCE
+    log: Columns, name: str, bounds: tuple[float, float], colour: str = style.REFERENCE
 ) -> list[dict[str, Any]]:
     """Return two dashed lines over the whole run with one entry in the legend."""
-    progress = along(log, body)
-    ends = progress[[0, -1]] if progress.size else np.zeros(2)
-    look: dict[str, Any] = {"dash": "dash", "width": 1.0, "hoverinfo": "skip", "legendgroup": name}
+    ends = np.array(span_along(log))
+    look: dict[str, Any] = {"dash": "dash", "width": 1.0, "hoverinfo": "skip", "legendgroup": name, "meta": "whole"}
     return [line(ends, np.full(2, b), name, colour, showlegend=b == bounds[0], **look) for b in bounds]
 
 
@@ -136,7 +134,7 @@ def steering_figure(log: Columns, body: str) -> Figure:
     traces = [
         _of_step(log, body, command, "Commanded", style.INK, "°", width=1.0),
         _of_step(log, body, actual, "Actual", colour, "°", width=2.0),
-        *_bound_lines(log, body, "Limit", (-limit, limit)),
+        *_bound_lines(log, "Limit", (-limit, limit)),
     ]
     return _along_figure(log, traces, "Steering, ° (left positive)", range=[-1.12 * limit, 1.12 * limit])
 
@@ -157,7 +155,7 @@ def estimate_figure(log: Columns, names: dict[str, tuple[str, str]], title: str,
         if field != "trailer_slip":  # the simulated machine has no such slip
             true = log.column(f"truth.{field}") * scale
             curves.append(_of_step(log, "tractor", true, f"{symbol}, true", colour, unit, width=1.0, dash="dot"))
-        bounds += _bound_lines(log, "tractor", f"{symbol}, bounds", (low * scale, high * scale), colour)
+        bounds += _bound_lines(log, f"{symbol}, bounds", (low * scale, high * scale), colour)
     return _along_figure(log, curves + bounds, title, range=_span_of(curves))
 
 

@@ -12,7 +12,7 @@ from drawbar.recording.drive_events import DriveEvent
 from drawbar.recording.encoding import encode_special
 from drawbar.recording.log import Columns
 from drawbar.report import style
-from drawbar.report.columns import along, track
+from drawbar.report.columns import along, leads_on, span_along, track
 from drawbar.report.decimation import thinned
 from drawbar.report.events import event_rows
 from drawbar.report.metrics import Metrics
@@ -78,6 +78,8 @@ def _page_data(log: Columns, sections: list[Section]) -> str:
         "along": [section.name for section in sections if section.along_path],
         "time": log.column("measurement.time")[shown].round(3),
         "progress": along(log, "tractor")[shown].round(2),
+        "over": "distance" if leads_on(log) else "time",
+        "span": span_along(log),
         "tracks": {body: track(log, body)[shown].round(3) for body in style.BODY_COLOURS},
     }
     text = msgspec.json.encode(data, enc_hook=encode_special)

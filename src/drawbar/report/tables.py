@@ -97,8 +97,8 @@ def key_figures(metrics: Metrics) -> list[tuple[str, str]]:
     """Return the figures one looks for first: title and value with unit."""
     error = metrics.error_m
     return [
-        ("distance driven", number(metrics.length_m, 1, " m")),
-        ("duration", number(metrics.duration_s, 1, " s")),
+        ("distance driven", _in_tile(metrics.length_m, " m")),
+        ("duration", _in_tile(metrics.duration_s, " s")),
         ("real-time factor", number(metrics.real_time_factor, 0, "×")),
         (f"mean {error_name(metrics)}, tractor", number(100.0 * error.tractor[ALL].mean, 1, " cm")),
         (f"mean {error_name(metrics)}, trailer", number(100.0 * error.trailer[ALL].mean, 1, " cm")),
@@ -109,6 +109,11 @@ def key_figures(metrics: Metrics) -> list[tuple[str, str]]:
             _counted({"limited": metrics.limited_commands, "refused": metrics.refused_commands}),
         ),
     ]
+
+
+def _in_tile(value: float, unit: str) -> str:
+    """Return a value with as many digits as stand in one line."""
+    return number(value, 0 if value >= 1000.0 else 1, unit)
 
 
 def _counted(counts: Mapping[str, int]) -> str:

@@ -181,7 +181,7 @@ def test_configurations_of_before_are_the_simulated_machine() -> None:
         (["machine.kind=physics", "machine.ground.steering_offset=0.1"], "has no key ground"),
         (["machine.kind=physics", "machine.events=[{kind='bump', start=1.0}]"], "'gps_loss', 'gps_jump', 'gps_float'"),
         (["machine.kind=physics", "machine.actuators.dead_time=0.005"], "not a multiple"),
-        (["machine.kind=physics", "machine.trailer.track=1200"], "millimetres? 1200 mm"),
+        (["machine.kind=physics", "machine.trailer.track=1200"], "1200 mm"),
         (["machine.kind=physics", "machine.tractor.mass=100.0"], "leaves nothing for its frame"),
         (["machine.kind=physics", "bounded_errors.ground.tractor_crab=0.01"], "bounded_errors.ground needs"),
         (["machine.kind=physics", "speed=3.5"], "or raise the other where the machine is faster"),
