@@ -46,6 +46,26 @@ class Terminal:
         raise OSError(errno.EIO, "cannot be written to")
 
 
+WITH_CORRECTIONS = """
+extends = "articulated"
+name = "my"
+[devices.tractor_receiver]
+transport = "udp://127.0.0.1:1"
+[devices.trailer_receiver]
+transport = "udp://127.0.0.1:2"
+[devices.corrections]
+host = "rtk.example.org"
+mount = "VRS"
+credentials = "environment:NTRIP_LOGIN"
+[devices.tractor_board]
+address = "127.0.0.5"
+max_angle = 0.52
+[devices.trailer_board]
+address = "127.0.0.6"
+max_angle = 0.35
+"""
+
+
 @pytest.fixture
 def processes(monkeypatch):
     monkeypatch.setattr("drawbar.driving.operator.front_end.FrontEnd", FrontEnd)
@@ -144,3 +164,12 @@ def test_a_folder_whose_name_no_process_could_be_told_is_refused(tmp_path, drawb
     assert code in (1, 2)
     assert "is no name in UTF-8; choose another --out folder" in " ".join(told.split())
     assert not any(tmp_path.glob("*cker"))
+
+
+def test_a_login_that_is_missing_is_told_before_anything_starts(tmp_path, drawbar, monkeypatch):
+    monkeypatch.delenv("NTRIP_LOGIN", raising=False)
+    (tmp_path / "my.toml").write_text(WITH_CORRECTIONS, "utf-8")
+    code, said = drawbar("drive", "my.toml")
+    assert code == 2
+    assert said.count("the environment variable NTRIP_LOGIN is not set; set it to user:password") == 1
+    assert not (tmp_path / "runs").exists()

@@ -162,6 +162,7 @@ def _configured(name: str, changes: list[str], pace: int) -> tuple["Configuratio
     from drawbar.driving.loop.controller import Controller
     from drawbar.driving.preparation.matching_settings import demand_matching_settings
     from drawbar.driving.stand_in.demonstration import with_stand_ins
+    from drawbar.machine.hardware.corrections.corrections import new_client
     from drawbar.simulation import build_path
 
     config = load_configuration(name, changes)
@@ -169,6 +170,8 @@ def _configured(name: str, changes: list[str], pace: int) -> tuple["Configuratio
     stand_ins = config.devices is None
     if config.devices is not None:
         demand_stand_in(config.devices, pace)
+        if config.devices.corrections is not None:
+            new_client(config.devices.corrections)  # what it lacks is said before anything starts
     else:
         config = with_stand_ins(config)
         time_passes = "in real time" if pace == 1 else f"{pace} times as fast as real time"

@@ -53,8 +53,13 @@ def open_corrections(settings: CorrectionsSettings, clock: Clock = time.monotoni
         ConfigurationError: credentials or the certificate are not where they should be, or others may read them.
         HardwareError: a UDP port is taken.
     """
-    client = CorrectionsClient(settings, read_login(settings.credentials))
+    client = new_client(settings)
     return Corrections(client, _outlets(settings.forward, clock))
+
+
+def new_client(settings: CorrectionsSettings) -> CorrectionsClient:
+    """Return a client that connects with its first `advance`; raises ConfigurationError as `open_corrections` does."""
+    return CorrectionsClient(settings, read_login(settings.credentials))
 
 
 def _outlets(forward: tuple[str, ...], clock: Clock) -> tuple[Outlet, ...]:
