@@ -16,6 +16,10 @@ pytest.importorskip("shapefile", reason="the extra `console` is not installed")
 
 _COLOUR = "(each) => {{ each.className = 'bar {}'; return getComputedStyle(each).backgroundColor; }}"
 GREEN_BAR, IDLE = _COLOUR.format("tone-good"), _COLOUR.format("tone-idle")
+BESIDE_FIGURES = """(all) => all.map((each) => [each, each.getBoundingClientRect()])
+  .filter(([each, { left, right }]) => left < 0 || right > document.querySelector(".figures").clientWidth + 1
+    || each.scrollWidth > each.clientWidth + 1)
+  .map(([each]) => each.innerText)"""
 AT_STOP = """(() => {
   const stop = [...document.querySelectorAll("button")].find((each) => each.innerText.trim() === "STOP");
   const { left, right, top, bottom } = stop.getBoundingClientRect();
@@ -70,6 +74,7 @@ WATCH_STROKES = """() => {
 
 def test_it_engages_and_stops_and_loads_nothing_from_elsewhere(drive, page):
     page.add_init_script("navigator.wakeLock.request = (kind) => Promise.resolve((window.awake = kind))")
+    page.goto(f"{drive}runs")
     page.goto(drive)
     assert page.evaluate("document.documentElement.scrollWidth") <= 360
     page.locator(".why li").first.wait_for()
@@ -97,11 +102,20 @@ def test_it_engages_and_stops_and_loads_nothing_from_elsewhere(drive, page):
     assert page.locator(".controls .q-btn").evaluate_all(cut) == 0
     too_wide = "(all) => all.filter((each) => each.offsetParent && each.scrollWidth > each.clientWidth).length"
     assert page.locator(".controls .value").evaluate_all(too_wide) == 0
+    page.set_viewport_size({"width": 568, "height": 320})  # the smallest on its side
+    page.wait_for_function("innerWidth === 568")
+    page.locator(".body-side").evaluate_all("(all) => all.forEach((each) => (each.innerText = 'right of the line'))")
+    assert page.locator(".chips li, .body-error, .lightbar").evaluate_all(BESIDE_FIGURES) == []
     page.set_viewport_size({"width": 360, "height": 380})  # half a phone's screen
     page.wait_for_function(f"innerHeight === 380 && {AT_STOP}")
     page.set_viewport_size(screenshots.PHONE)
     look_at_the_tubes(page)
+    page.go_back()  # a swipe from the edge
+    page.get_by_text("Press STOP first").wait_for()
+    assert (page.url, word(page, "Steering").count()) == (drive, 1)
     press_until(page, word(page, "Stopped"), "STOP")
+    page.go_back()
+    see(page, "Runs")
     look_at_the_other_pages(drive, page)
     elsewhere = [url for url in page.asked if not url.startswith((drive, "data:"))]
     assert elsewhere == []

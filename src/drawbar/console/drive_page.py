@@ -40,7 +40,7 @@ class DrivePage:
                 self._offset = link.controller.line_offset
             scene = standing | {"trail": list(link.trail), "lines": lines(self._offset)}
             texts = {key: words(key) for key in _TEXTS}
-            self._instruments = Instruments(scene, texts, lambda seen: link.drawn(visitor, seen))
+            self._instruments = Instruments(scene, texts, lambda seen: link.drawn(visitor, seen), self._may_leave)
             with ui.element("div").classes("side"):
                 self._why = ui.element("section").classes(
                     "why"
@@ -178,10 +178,13 @@ class DrivePage:
         }
 
     def _may_leave(self) -> bool:
-        """Return whether the vehicle is not steered under this visitor's eyes."""
+        """Return whether the vehicle is not steered under this visitor's eyes; show where it is."""
         gate = self._link.gate
         mine = gate is not None and gate.lease == self._link.session(self._visitor).number
-        return not (mine and self._link.is_engaged) or self._link.is_stale
+        steered = mine and self._link.is_engaged and not self._link.is_stale
+        if steered:
+            self._notify(self._words("stay"))
+        return not steered
 
     def _wish_control(self) -> None:
         self._link.wish(self._visitor)

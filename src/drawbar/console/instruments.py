@@ -9,6 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from nicegui import ui
 from nicegui.element import Element
 from nicegui.events import GenericEventArguments
 
@@ -18,14 +19,28 @@ from drawbar.console.flow_control import FlowControl
 class Instruments(Element, component=Path(__file__).parent / "static" / "instruments.js"):
     """The browser's drawing of a drive."""
 
-    def __init__(self, standing: dict[str, Any], texts: dict[str, str], on_drawn: Callable[[object], None]) -> None:
-        """Take what does not move, the texts, and the listener for the state of the gate that the browser has drawn."""
+    def __init__(
+        self,
+        standing: dict[str, Any],
+        texts: dict[str, str],
+        on_drawn: Callable[[object], None],
+        may_leave: Callable[[], bool],
+    ) -> None:
+        """Take what does not move, and the texts.
+
+        Args:
+            standing: what does not move (drawing.py).
+            texts: by their keys in the catalogue.
+            on_drawn: called with the state of the gate that the browser has drawn.
+            may_leave: called where Back is pressed; returns whether the page may be left.
+        """
         super().__init__()
         self._props["standing"] = json.dumps(standing)  # a list would be watched by NiceGUI, point by point
         self._props["texts"] = texts
-        self._on_drawn = on_drawn
+        self._on_drawn, self._may_leave = on_drawn, may_leave
         self._flow = FlowControl()
         self.on("drawn", self._drawn)
+        self.on("back", self._go_back, args=[])
 
     @property
     def may_draw(self) -> bool:
@@ -44,3 +59,9 @@ class Instruments(Element, component=Path(__file__).parent / "static" / "instrum
     def _drawn(self, event: GenericEventArguments) -> None:
         self._flow.drawn()
         self._on_drawn(event.args)
+
+    def _go_back(self) -> None:
+        if self._may_leave():
+            ui.run_javascript("history.back()")
+        else:
+            self.run_method("hold")

@@ -19,7 +19,7 @@ def menu(words: Words, *, login: bool, may_leave: Callable[[], bool] = lambda: T
     Args:
         words: texts.
         login: visitors have logged in, and may log out.
-        may_leave: returns whether the page may be left; if not, that is shown, and the page stays.
+        may_leave: returns whether the page may be left, and shows where not.
     """
     request = ui.context.client.request
     ui.dark_mode(_LOOKS.get(request.cookies.get("drawbar-look", "") if request is not None else ""))
@@ -28,8 +28,6 @@ def menu(words: Words, *, login: bool, may_leave: Callable[[], bool] = lambda: T
     def leave(address: str) -> None:
         if may_leave():
             ui.navigate.to(address)
-        else:
-            ui.notify(words("stay"), type="warning", position="top", timeout=8000, multi_line=True)
 
     with ui.button(icon="menu", color=None).props(f'flat round aria-label="{words("menu")}"'), ui.menu():
         for key, address in ADDRESSES.items():

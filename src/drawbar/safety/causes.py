@@ -57,7 +57,7 @@ class Cause(Enum):
     UNPROVED = (107, True, Response.NONE, "estimator and controllers have not solved enough steps in a row",
         "wait a few seconds; if it stays, see the log")
     UNSOLVED = (108, False, Response.DEGRADE, "the last step was not solved",
-        "nothing; the vehicle stops if it stays")
+        "nothing to do; the vehicle stops if it stays")
     OVERRUN = (109, True, Response.NONE, "a step came late in the last seconds",
         "wait; if it stays, end other programs or lower the rate")
     OVERRUNS = (110, True, Response.DEGRADE, "several steps came late in the last seconds",
@@ -214,8 +214,8 @@ class Cause(Enum):
         "send each message once")
     OUT_OF_RANGE = (626, False, Response.NONE, "the value is beyond what is allowed",
         "see docs/safety.md for the limits")
-    NOTHING_TO_ACKNOWLEDGE = (627, False, Response.NONE, "no state waits for the operator",
-        "nothing")
+    NOTHING_TO_ACKNOWLEDGE = (627, False, Response.NONE, "there is nothing to acknowledge",
+        "nothing to do")
     STEERED = (628, False, Response.NONE, "the vehicle is steered",
         "to engage again or to choose the line, stop first")
     # fmt: on

@@ -64,9 +64,13 @@ export default {
     this.judge();
     this.stayAwake();
     document.addEventListener("visibilitychange", this.stayAwake);
+    document.addEventListener("click", this.hold, { once: true });
+    window.addEventListener("popstate", this.goBack);
   },
   unmounted() {
     document.removeEventListener("visibilitychange", this.stayAwake);
+    document.removeEventListener("click", this.hold);
+    window.removeEventListener("popstate", this.goBack);
     clearInterval(this.watch);
     this.observer.disconnect();
     this.looks.disconnect();
@@ -97,6 +101,14 @@ export default {
     // A tablet that sleeps while it has control stops the vehicle. Browsers allow this over TLS and on the same computer.
     stayAwake() {
       if (!document.hidden) navigator.wakeLock?.request("screen").catch(() => {});
+    },
+    // Back, a button or a swipe from the edge, first leads from here to here: whether it may lead on is asked. Browsers heed
+    // an entry only of a page that was touched.
+    hold() {
+      history.pushState(null, "");
+    },
+    goBack() {
+      this.$emit("back");
     },
     judge() {
       this.old = this.picture.stale !== false || performance.now() - this.last > STALE;
