@@ -7,7 +7,8 @@ from itertools import combinations
 
 import numpy as np
 
-from drawbar.control.tube.bounds import TightenedBound
+from drawbar.control.tube.bounds import OF_ESTIMATE, TightenedBound
+from drawbar.control.tube.error_model import OPERATING_POINT
 from drawbar.control.tube.tube import SubsystemTube
 from drawbar.geometry import Floats
 from drawbar.report import style
@@ -20,18 +21,14 @@ _EDGES = 180
 _POINTS = 1500
 _TEXT = f'font-family="{style.FONT.replace(chr(34), chr(39))}" font-size="12" fill="{style.INK}"'
 _LEFT, _SEEN = "#CBD5E1", "#0072B2"
-_SOURCES = (
-    "#D55E00",
-    "#E69F00",
-    "#009E73",
-    "#CC79A7",
-    "#56B4E9",
-    "#8B5A2B",
-    "#F0E442",
-    "#999999",
-    "#5B4B8A",
-    "#3F8F8F",
-)
+_OF_BOTH_BODIES = {
+    "steering_rate": "#009E73",
+    "estimate of steering": "#8B5A2B",
+    OPERATING_POINT: "#F0E442",
+    OF_ESTIMATE: "#999999",
+}
+"""colours of the sources that both bodies have"""
+_SOURCES = ("#D55E00", "#E69F00", "#CC79A7", "#56B4E9", "#5B4B8A", "#3F8F8F")
 
 
 def outline(support: Callable[[Floats], Floats], across: Floats, up: Floats) -> Floats:
@@ -128,7 +125,8 @@ def _bars(tube: SubsystemTube, top: float) -> tuple[list[str], float]:
     """Return one bar for each bound, the key of their colours, and where the picture ends."""
     bounds = list(tube.bounds.values())
     names = list(bounds[0].contributions)
-    colours = dict(zip(names, _SOURCES, strict=False))
+    own = (name for name in names if name not in _OF_BOTH_BODIES)
+    colours = _OF_BOTH_BODIES | dict(zip(own, _SOURCES, strict=False))
     parts = [_label(20.0, top, "What is left of each bound for the nominal problem, and what every source takes")]
     for k, bound in enumerate(bounds):
         parts += _bar(bound, colours, top + 18.0 + 1.5 * k * _BAR)
