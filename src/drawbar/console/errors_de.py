@@ -110,8 +110,10 @@ ERRORS_DE: Mapping[str, str] = {
         "{0}:{1}: kündigt {2} Punkte an, {3} Zeilen folgen; das Feld neu aus AgOpenGPS exportieren",
     "{}: does not exist; give an AgOpenGPS field folder or a file of type {}":
         "{0}: gibt es nicht; den Ordner eines AgOpenGPS-Feldes oder eine Datei des Typs {1} wählen",
-    "{}: is neither an AgOpenGPS field folder nor a file of type {}; give one of these":
-        "{0}: ist weder Ordner eines AgOpenGPS-Feldes noch Datei des Typs {1}; eines davon wählen",
+    "{}: is neither an AgOpenGPS field folder nor a file of type {}; give one of these (the console's fields page "
+    "imports other types, and keeps them as GeoJSON)":
+        "{0}: ist weder Ordner eines AgOpenGPS-Feldes noch Datei des Typs {1}; eines davon wählen (andere Typen "
+        "importiert die Seite Felder und Linien und behält sie als GeoJSON)",
     "{}:{}: is {}; finite coordinates in m are needed": "{0}:{1}: ist {2}; endliche Koordinaten in m sind nötig",
     "{}:{}: the file ends within the origin; export the field from AgOpenGPS again":
         "{0}:{1}: die Datei endet im Ursprung; das Feld neu aus AgOpenGPS exportieren",
@@ -145,9 +147,10 @@ ERRORS_DE: Mapping[str, str] = {
     "{}: line {} has {} different point(s); it needs at least two that are more than {} mm apart":
         "{0}: Linie {1} hat {2} verschiedene(n) Punkt(e); nötig sind zwei, die mehr als {3} mm auseinander liegen",
     "{}: header {}; two columns are read, x (east) and y (north) in m: name them x,y in this order or remove the "
-    "header; degrees belong in GeoJSON":
+    "header; degrees belong in GeoJSON, or, for the console's import, under the header line,latitude,longitude":
         "{0}: Kopfzeile {1}; gelesen werden zwei Spalten, x (Ost) und y (Nord) in m: sie in dieser Reihenfolge x,y "
-        "nennen oder die Kopfzeile entfernen; Grad gehören in GeoJSON",
+        "nennen oder die Kopfzeile entfernen; Grad gehören in GeoJSON, oder, beim Import hier, unter die Kopfzeile "
+        "line,latitude,longitude",
     "{}: {} has {}; two are needed, x and y in m, as in '12.5,-3.0'":
         "{0}: {1} hat {2}; nötig sind zwei, x und y in m, wie in '12.5,-3.0'",
     "1 column": "1 Spalte",

@@ -74,6 +74,7 @@ def test_a_header_that_names_something_else_is_refused(tmp_path: Path, header: s
         load_line(written(tmp_path, "line.csv", f"# comment\n{header}\n0,0\n1,1\n"), None)
     assert f"line.csv:2: header {header!r}; two columns are read, x (east) and y (north) in m" in str(refused.value)
     assert "name them x,y in this order or remove the header; degrees belong in GeoJSON" in str(refused.value)
+    assert str(refused.value).endswith("or, for the console's import, under the header line,latitude,longitude")
 
 
 @settings(max_examples=200, deadline=None, derandomize=True)

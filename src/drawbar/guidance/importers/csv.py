@@ -44,7 +44,8 @@ def _is_header(place: str, text: str, separator: str) -> bool:
     if [cell.lower() for cell in cells] != ["x", "y"]:
         raise PathError(
             f"{place}: header {text!r}; two columns are read, x (east) and y (north) in m: name them x,y in this "
-            f"order or remove the header; degrees belong in GeoJSON"
+            f"order or remove the header; degrees belong in GeoJSON, or, for the console's import, under the header "
+            f"line,latitude,longitude"
         )
     return True
 

@@ -47,5 +47,8 @@ def _reader(path: Path) -> Callable[[Path, str | None], RecordedLine]:
         types = ", ".join(_READERS)
         if not path.exists():
             raise PathError(f"{path}: does not exist; give an AgOpenGPS field folder or a file of type {types}")
-        raise PathError(f"{path}: is neither an AgOpenGPS field folder nor a file of type {types}; give one of these")
+        raise PathError(
+            f"{path}: is neither an AgOpenGPS field folder nor a file of type {types}; give one of these (the "
+            "console's fields page imports other types, and keeps them as GeoJSON)"
+        )
     return reader
