@@ -98,8 +98,9 @@ def test_the_error_is_the_angle_that_is_missing(speed, known_after, sample_time)
         assert turned(-8.0, measured=-8.0, slip=0.8)[-1] == pytest.approx(0.0, abs=1e-9)
 
 
-def test_an_unknown_angle_begins_it_anew():
-    assert all(map(math.isnan, turned(5.0, measured=math.nan)))
+@pytest.mark.parametrize(("measured", "speed"), [(math.nan, 2.0), (1.0, 0.05)])
+def test_of_an_unknown_angle_or_a_standing_tractor_there_is_none(measured, speed):
+    assert all(map(math.isnan, turned(5.0, measured=measured, speed=speed, until=60.0)))
 
 
 @pytest.mark.parametrize(

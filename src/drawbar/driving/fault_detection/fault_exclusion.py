@@ -112,7 +112,8 @@ class FaultExclusion:
         measured, simulated = record.measurement.hitch_angle, self._simulated.update(record)
         contradicted |= self._reversed.update(measured, simulated)
         contradiction = self._angles.update(measured, simulated, self._turning.update(record))
-        self.steering_contradicts = contradiction is Contradiction.FRONT_WHEELS or self._turning.is_large
+        wrong_wheels = contradiction is Contradiction.FRONT_WHEELS or self._turning.is_large
+        self.steering_contradicts = wrong_wheels and not self.excludes_trailer  # by which the estimated yaw changes
         contradicted |= contradiction is Contradiction.TRAILER
         contradicted |= self._stuck.update(measured, record.estimate.hitch_angle, simulated, moves=moves)
         if not (engaged and self.excludes_trailer):

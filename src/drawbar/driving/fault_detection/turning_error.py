@@ -8,6 +8,7 @@ curves by more. One that is larger is of the sensor, or of wheels with which nob
 import math
 from collections import deque
 
+from drawbar.driving.fault_detection.running_rms import MOVES
 from drawbar.geometry import wrap
 from drawbar.signals import StepRecord
 
@@ -36,12 +37,12 @@ class TurningError:
     def update(self, record: StepRecord) -> float:
         """Update with a step; return the error, rad, positive where the tractor turns further to the left.
 
-        NaN: speed or angle is not known, or the tractor has not moved far enough.
+        NaN: speed or angle is not known, the tractor stands, or it has not moved far enough.
         """
         self.is_large, measured = False, record.measurement
         speed = record.estimate.longitudinal_slip * measured.speed
         rates = speed, speed * math.tan(measured.tractor_steering) / self._wheelbase
-        if not all(map(math.isfinite, rates)):
+        if not all(map(math.isfinite, rates)) or abs(measured.speed) < MOVES:
             self._samples.clear()
             return math.nan
         way, turned = (0.5 * self._sample_time * (a + b) for a, b in zip(rates, self._rates, strict=True))
