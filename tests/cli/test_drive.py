@@ -1,6 +1,7 @@
 """What ends a drive at a terminal, where the moment matters: without processes."""
 
 import errno
+import json
 import os
 import sys
 import threading
@@ -46,6 +47,19 @@ class Terminal:
         raise OSError(errno.EIO, "cannot be written to")
 
 
+TWO_LINES = json.dumps(
+    {
+        "type": "FeatureCollection",
+        "features": [
+            {
+                "type": "Feature",
+                "properties": {"name": name},
+                "geometry": {"type": "LineString", "coordinates": [[4.7, latitude], [4.701, latitude]]},
+            }
+            for name, latitude in (("left", 50.871), ("right", 50.87))
+        ],
+    }
+)
 WITH_CORRECTIONS = """
 extends = "articulated"
 name = "my"
@@ -173,3 +187,11 @@ def test_a_login_that_is_missing_is_told_before_anything_starts(tmp_path, drawba
     assert code == 2
     assert said.count("the environment variable NTRIP_LOGIN is not set; set it to user:password") == 1
     assert not (tmp_path / "runs").exists()
+
+
+def test_another_line_is_chosen_as_for_a_run(tmp_path, drawbar):
+    (tmp_path / "lines.geojson").write_text(TWO_LINES, "utf-8")
+    code, said = drawbar("drive", "--path", "lines.geojson", "--track", "middle")
+    assert code == 2
+    assert "has no line 'middle'" in " ".join(said.split())
+    assert drawbar("drive", "--path", "")[1].startswith("error: --path is empty")

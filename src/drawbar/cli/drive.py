@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drawbar.cli.options import ConfigurationName, Pace, changing, compiling, console, written
+from drawbar.cli.options import ConfigurationName, Pace, changing, compiling, console, line_changes, written
 from drawbar.cli.pages import Pages, address, free_port, takes_pages
 from drawbar.configurations import CONFIGURATION_NAME
 
@@ -29,6 +29,10 @@ if TYPE_CHECKING:
     from drawbar.driving.processes.drive_processes import DriveProcesses
 
 
+Path = Annotated[
+    str | None,
+    typer.Option(help="recorded line: AgOpenGPS field folder, CSV (x,y) or GeoJSON; default: the configuration's own"),
+]
 Track = Annotated[
     str, typer.Option(metavar="NAME", help="line of path.file; nearest: the one at which the vehicle stands now")
 ]
@@ -57,6 +61,7 @@ WithConsole = Annotated[bool, typer.Option("--console", help="serve the operator
 def drive(
     configuration: ConfigurationName = "articulated",
     changes: Annotated[list[str] | None, changing("speed=0.8")] = None,
+    path: Path = None,
     track: Track = "",
     out: Folder = None,
     by_hand: ByHand = False,
@@ -86,7 +91,8 @@ def drive(
     require_extra("drawbar drive", "machine")
     if remember:
         _demand_what_is_remembered(configuration, changes or [], shadow=shadow)
-    changes = [*_line_change(configuration, track, changes or []), *(changes or [])]
+    given = [*line_changes(path, ""), *(changes or [])]
+    changes = [*line_changes(None, _chosen_track(configuration, track, given)), *given]
     config, stand_ins = _configured(configuration, changes, pace)
     runs = str(out.parent if out else "runs")
     options = pages.options(folder="", configuration="", runs=runs) if with_console else None
@@ -135,24 +141,23 @@ def _demand_what_is_remembered(configuration: str, changes: list[str], *, shadow
         )
 
 
-def _line_change(name: str, track: str, changes: list[str]) -> list[str]:
-    """Return the change of the configuration that chooses a line; none where --track is not given."""
-    from json import dumps
-
+def _chosen_track(name: str, track: str, changes: list[str]) -> str:
+    """Return the name of the line that --track means."""
     from drawbar.config import load_configuration
     from drawbar.driving.preparation.nearest_line import nearest_track, standing
     from drawbar.errors import ConfigurationError
 
-    if track == _NEAREST:
-        config = load_configuration(name, changes)
-        if config.devices is None:
-            raise ConfigurationError(
-                "--track nearest: without [devices] there is no vehicle that stands anywhere; give --track NAME"
-            )
-        with console.status("listening where the vehicle stands …"):
-            track = nearest_track(config, standing(config.devices))
-        console.print(f"the nearest line is {track!r}", soft_wrap=True)
-    return [f"path.track={dumps(track, ensure_ascii=False)}"] if track else []
+    if track != _NEAREST:
+        return track
+    config = load_configuration(name, changes)
+    if config.devices is None:
+        raise ConfigurationError(
+            "--track nearest: without [devices] there is no vehicle that stands anywhere; give --track NAME"
+        )
+    with console.status("listening where the vehicle stands …"):
+        nearest = nearest_track(config, standing(config.devices))
+    console.print(f"the nearest line is {nearest!r}", soft_wrap=True)
+    return nearest
 
 
 def _configured(name: str, changes: list[str], pace: int) -> tuple["Configuration", bool]:

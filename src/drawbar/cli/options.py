@@ -85,14 +85,19 @@ def configured(source: str, path: str | None, track: str, changes: Sequence[str]
     """
     from drawbar.config import load_configuration
 
-    if path == "":
-        raise DrawbarError("--path is empty; give a file or a field folder, or leave --path out.")
+    settings = line_changes(path, track)
     if track and not path and not load_configuration(source, changes).path.file:
         raise DrawbarError(f"--track {track}: there is no file with lines; give --path too, or leave --track out.")
+    return load_configuration(source, [*settings, *changes])
+
+
+def line_changes(path: str | None, track: str) -> list[str]:
+    """Return the changes of a configuration that choose a line by --path (None: its own) and --track (empty: none)."""
+    if path == "":
+        raise DrawbarError("--path is empty; give a file or a field folder, or leave --path out.")
     given = (("path.file", path), ("path.track", track))
     # a JSON string is a TOML string
-    settings = [f"{key}={dumps(text, ensure_ascii=False)}" for key, text in given if text]
-    return load_configuration(source, [*settings, *changes])
+    return [f"{key}={dumps(text, ensure_ascii=False)}" for key, text in given if text]
 
 
 @contextmanager
