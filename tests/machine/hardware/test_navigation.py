@@ -7,6 +7,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 import pytest
+from receiver_frames import nmea, sbf, ubx
 
 from drawbar.config import load_configuration
 from drawbar.driving.stand_in.memory_transports import MemoryBus, MemoryTransport
@@ -17,7 +18,6 @@ from drawbar.machine.hardware.navigation import Navigation
 from drawbar.machine.hardware.receiver import Receiver, ReceiverSettings
 from drawbar.machine.hardware.sampler import Sampler
 from drawbar.machine.hardware.sensor_line import SensorLine
-from drawbar.machine.stand_in import nmea, sbf, ubx
 from drawbar.machine.stand_in.faults import FAULTS
 from drawbar.machine.stand_in.machine import BODIES, StandInMachine
 from drawbar.machine.stand_in.nmea2000 import nmea2000

@@ -10,8 +10,8 @@ from itertools import pairwise
 
 import pytest
 from epoch_bursts import run
+from receiver_frames import nmea, sbf, ubx
 
-from drawbar.machine.stand_in import nmea, sbf, ubx
 from drawbar.machine.stand_in.receiver import Report
 from drawbar.protocols.gnss.checksums import crc_ccitt
 from drawbar.protocols.gnss.epoch import Epoch

@@ -1,4 +1,4 @@
-"""UBX of a receiver's stand-in: NAV-PVT, NAV-HPPOSLLH and NAV-RELPOSNED of one epoch."""
+"""UBX of a receiver: NAV-PVT, NAV-HPPOSLLH and NAV-RELPOSNED of one epoch."""
 
 import math
 import struct

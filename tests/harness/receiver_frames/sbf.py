@@ -1,4 +1,4 @@
-"""SBF of a receiver's stand-in: PVTGeodetic, PosCovGeodetic, AttEuler and AttCovEuler of one epoch."""
+"""SBF of a receiver: PVTGeodetic, PosCovGeodetic, AttEuler and AttCovEuler of one epoch."""
 
 import math
 import struct
