@@ -23,8 +23,8 @@ from drawbar.machine.stand_in.machine import BODIES, StandInMachine
 from drawbar.machine.stand_in.nmea2000 import nmea2000
 from drawbar.machine.stand_in.receiver import Encoder, Report
 from drawbar.machine.stand_in.world import TICK, World
-from drawbar.message_records import decode, encode
 from drawbar.messages import Fixes
+from drawbar.messages.records import decode, encode
 from drawbar.protocols.sensor_board import SensorReport
 from drawbar.signals import Command, FixQuality, Measurement, Pose, Truth
 from drawbar.simulation import build_path

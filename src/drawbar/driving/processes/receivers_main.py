@@ -30,8 +30,8 @@ from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.hardware.navigation import Navigation
 from drawbar.machine.hardware.receiver import Receiver
 from drawbar.machine.hardware.sensor_line import SensorLine
-from drawbar.message_records import encode
 from drawbar.messages import Fixes, Role
+from drawbar.messages.records import encode
 from drawbar.nanoseconds import nanoseconds, seconds
 from drawbar.protocols.gnss.assembly import SPOOFED
 from drawbar.realtime import prepare, say, step_back_when_busy
