@@ -270,5 +270,5 @@ def test_dead_bands_that_disagree_or_are_too_few_are_refused() -> None:
     ],
 )
 def test_a_number_is_reported_as_far_as_it_is_known(value: float, deviation: float, told: str) -> None:
-    found = Calibrated(value=value, deviation=deviation, residual=0.0, samples=1, unit="", residual_unit="")
+    found = Calibrated(value=value, deviation=deviation, unit="")
     assert found.text == told
