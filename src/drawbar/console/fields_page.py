@@ -61,7 +61,7 @@ class FieldsPage:
             with ui.element("div"):
                 self._build_choice()
                 if visitor.may_drive:
-                    self._new_line = NewLineCard(next_drive, link, words, self._keep_line)
+                    self._new_line = NewLineCard(link, words, self._keep_line)
                     ExchangeCard(next_drive, words, lambda: self._field, self._take_in)
         names = next_drive.fields.names()
         self._show_field(names[0] if names else None)

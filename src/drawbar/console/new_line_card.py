@@ -7,7 +7,6 @@ import numpy as np
 from nicegui import ui
 
 from drawbar.console.link import Link
-from drawbar.console.next_drive import NextDrive
 from drawbar.console.page_head import tell
 from drawbar.console.widgets import button, card
 from drawbar.console.words import Words
@@ -22,9 +21,9 @@ _COMPASS = 360.0
 class NewLineCard:
     """Makes lines where the tractor is."""
 
-    def __init__(self, next_drive: NextDrive, link: Link, words: Words, keep: Callable[[str, Floats], None]) -> None:
+    def __init__(self, link: Link, words: Words, keep: Callable[[str, Floats], None]) -> None:
         """Build the card; `keep` takes a new line's name and points, (n, 2) m of the drive's frame."""
-        self._next_drive, self._surveyor, self._words, self._keep = next_drive, link.surveyor, words, keep
+        self._surveyor, self._words, self._keep = link.surveyor, words, keep
         with card(words("new_line")):
             self._name = ui.input(words("name_of_line")).props("outlined maxlength=100")
             with ui.element("div").classes("line-up"):
