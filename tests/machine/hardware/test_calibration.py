@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from drawbar.benchmark.simulated_actuators import SimulatedValve
 from drawbar.machine.hardware.calibrated import Calibrated
 from drawbar.machine.hardware.calibration import (
     CalibratedMachine,
@@ -19,7 +20,6 @@ from drawbar.machine.hardware.calibration import (
 from drawbar.machine.hardware.calibration_plans import DeadBandPlan, RatePlan
 from drawbar.machine.hardware.valve_calibration import actuator_dynamics, dead_band
 from drawbar.machine.low_level.settings import ValveSettings
-from drawbar.machine.low_level.simulated import SimulatedValve
 
 PERIOD = 0.02
 STEP = math.radians(0.02)
