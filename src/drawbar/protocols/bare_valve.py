@@ -69,7 +69,7 @@ def commanded_drives(sentences: SentenceReader, data: bytes) -> list[float]:
     drives = []
     for fields in sentences.push(data):
         try:
-            (drive,) = (whole_number(field) for field in fields)
+            (drive,) = (whole_number(field, signed=True) for field in fields)
         except ValueError:
             continue
         if drive is not None and abs(drive) <= FULL:

@@ -49,10 +49,10 @@ def own_sentence(name: str, *fields: int | None) -> bytes:
     return b"$" + body + f"*{xor(body):02X}\r\n".encode("ascii")
 
 
-def whole_number(field: bytes) -> int | None:
+def whole_number(field: bytes, *, signed: bool = False) -> int | None:
     """Return the number of a field, None where it is empty; raises ValueError where it is no whole number."""
     if not field:
         return None
-    if not field.removeprefix(b"-").isdigit() or len(field) > 10:
+    if not (field.removeprefix(b"-") if signed else field).isdigit() or len(field) > 10:
         raise ValueError
     return int(field)
