@@ -200,7 +200,7 @@ def _require_short(line: RecordedLine, points: Complexes, step: float) -> None:
 
 
 def _require_drivable(path: Path, name: str, limits: LineLimits) -> None:
-    """Refuse a path with a break, or whose curvature or its rate from node to node is out of the limits, saying where."""
+    """Refuse a path that is broken, or whose curvature or its rate are out of the limits, saying where."""
     pieces = np.diff(path.nodes[:, 0])
     broken = path.broken_node()
     if broken >= 0:
