@@ -187,6 +187,13 @@ def test_what_exists_in_simulation_only_is_refused(tmp_path: Path) -> None:
     assert not any(tmp_path.iterdir())
 
 
+def test_a_window_that_floats_do_not_suffice_for_is_refused(tmp_path: Path) -> None:
+    configuration = load_configuration("articulated", ("estimator.window=101",))
+    with pytest.raises(ConfigurationError, match=r"estimator.window = 101: in single precision at most 100 samples"):
+        export_library(configuration, tmp_path, precision=Precision.SINGLE)
+    assert not any(tmp_path.iterdir())
+
+
 @pytest.fixture(scope="module")
 def example(exported, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], list[list[str]]]:
     """Return a function that replays a table of measurements: the rows of what the example prints."""
