@@ -82,11 +82,11 @@ class Board(SensorLine):
     """A sensor board that reports every 20 ms what it is told to."""
 
     def __init__(self) -> None:
-        self.now, self.last = 0.0, SensorReport(time=-math.inf)
+        self.now, self.last = 0.0, SensorReport(time=-math.inf, received=-math.inf)
 
     def poll(self) -> None:
         if self.now - self.last.time >= 0.02:
-            self.last = SensorReport(time=self.now, hitch_angle=0.1, wheel_speed=1.5)
+            self.last = SensorReport(time=self.now, received=self.now, hitch_angle=0.1, wheel_speed=1.5)
 
 
 def measured(
