@@ -14,7 +14,6 @@ SHARED = [
     ("drawbar.step.reasons", "_SIDE_SLIP", "hitch_watch.h", "HITCH_SIDE_SLIP"),
     ("drawbar.guidance.path", "LEAST_STRETCH", "line_offset.h", "OFFSET_LEAST_STRETCH"),
     ("drawbar.guidance.smoothing", "_DETAIL", "line_path.h", "LINE_DETAIL"),
-    ("drawbar.guidance.smoothing", "_LONGEST_PIECE", "path.h", "PATH_LONGEST"),
     ("drawbar.guidance.smoothing", "_MARGIN", "line_path.h", "LINE_MARGIN"),
     ("drawbar.guidance.smoothing", "_RATE_MARGIN", "line_path.h", "LINE_RATE_MARGIN"),
     ("drawbar.estimation.alignment", "_PLACES", "ground_record.h", "PLACES"),

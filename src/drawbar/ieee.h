@@ -6,5 +6,8 @@
     || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "drawbar needs IEEE arithmetic: compile it without -ffast-math, -Ofast, /fp:fast and their kind"
 #endif
+#if defined(__clang__) && __clang_major__ >= 13    /* it does not say when -funsafe-math-optimizations is on */
+#pragma clang fp reassociate(off)
+#endif
 
 #endif

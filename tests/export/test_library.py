@@ -4,6 +4,7 @@ import ctypes
 import re
 import shutil
 import subprocess
+import sys
 from dataclasses import replace
 from itertools import islice
 
@@ -138,6 +139,21 @@ def test_the_state_of_another_export_is_none_here(begun, exported, compiled) -> 
     assert other.functions.drawbar_prepare(begun.state) == Status.NOT_INITIALISED
     assert other.functions.drawbar_set_speed(begun.state, ctypes.c_double(0.5)) == Status.NOT_INITIALISED
     assert begun.call("set_speed", ctypes.c_double(0.5)) == Status.OK
+
+
+def test_a_library_does_not_call_another_in_the_same_program(exported, compiled) -> None:
+    """The first is linked with the program, so that its functions go before those of the second, of the same names."""
+    flags = ("-std=c99", "-O0", "-fPIC", "-fvisibility=hidden", "-shared")
+    files = [str(compiled(exported(name), flags).file) for name in ("lqr-pi", "pure-pursuit-pi")]
+    script = f"""if True:
+        from ctypes import CDLL, RTLD_GLOBAL, c_double
+        first, second = CDLL({files[0]!r}, RTLD_GLOBAL), CDLL({files[1]!r})
+        state = (c_double * (second.drawbar_state_size() // 8))()
+        assert second.drawbar_init(state) == 0
+        print(second.drawbar_step(state, (c_double * 27)(), (c_double * 4)()))
+    """
+    said = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout
+    assert int(said) == Status.NO_PATH
 
 
 def test_the_example_does_not_go_on_with_headers_of_another_export(library, exported, tmp_path) -> None:

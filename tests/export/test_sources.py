@@ -106,6 +106,27 @@ def test_no_source_compiles_where_arithmetic_is_not_ieees(exported, fast: str, t
     assert allowed == "" or fast == "-ffinite-math-only"  # one that is asked for by name
 
 
+def test_sums_stay_as_they_are_written_where_clang_may_change_them(exported, tmp_path: Path) -> None:
+    """No macro tells of -funsafe-math-optimizations. Sines round by adding a large number: they were wrong by 0.7."""
+    compiler = next(filter(shutil.which, ("clang-14", "clang")), None)
+    if compiler is None:
+        pytest.skip("clang is not installed")
+    flags = ("-std=c99", "-w", "-O0", "-funsafe-math-optimizations", "-S", "-emit-llvm")
+
+    def compiled(folder: Path, source: Path) -> str:
+        code = tmp_path / "code.ll"
+        subprocess.run([compiler, *flags, f"-I{folder}/include", str(source), "-o", str(code)], check=True)
+        return code.read_text("utf-8")
+
+    (tmp_path / "sum.c").write_text("double sum(double a, double b) { return a + b; }\n", "utf-8")
+    changed = re.compile(r" = f(add|sub|mul|div) reassoc ")
+    assert changed.search(compiled(tmp_path, tmp_path / "sum.c"))
+    for precision in Precision:
+        folder = exported("articulated", precision=precision)
+        for source in sorted(folder.glob("src/*.c")):
+            assert not changed.search(compiled(folder, source)), source.name
+
+
 @pytest.mark.parametrize("case", OTHERS)
 def test_other_configurations_compile_too(exported, case: str) -> None:
     assert said((*find_compiler(), "-O0"), exported(*OTHERS[case]), "src/*.c") == ""
@@ -184,6 +205,13 @@ def test_no_path_of_this_machine_is_written(exported) -> None:
 def test_what_exists_in_simulation_only_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ConfigurationError, match=r"The estimator of .* exists in simulation only"):
         export_library(load_configuration("articulated-ideal"), tmp_path)
+    assert not any(tmp_path.iterdir())
+
+
+def test_a_window_that_floats_do_not_suffice_for_is_refused(tmp_path: Path) -> None:
+    configuration = load_configuration("articulated", ("estimator.window=101",))
+    with pytest.raises(ConfigurationError, match=r"estimator.window = 101: in single precision at most 100 samples"):
+        export_library(configuration, tmp_path, precision=Precision.SINGLE)
     assert not any(tmp_path.iterdir())
 
 

@@ -96,6 +96,16 @@ def test_a_line_that_goes_back_and_forth_near_an_end_is_refused_in_both_language
         assert line_path(given, (0.3, 0.3, 0.5))[0] == TIGHT
 
 
+def test_a_straight_line_that_goes_back_a_little_at_an_end_is_refused_in_both_languages(line_path) -> None:
+    """Smoothed, it turns round within its first or last piece, where no curvature shows it."""
+    east = np.concatenate([[0.0], np.arange(0.401, -0.1, -0.478), np.arange(0.4, 13.0, 0.5)])
+    points = np.column_stack([east, np.zeros(len(east))])
+    for given in (points, points[::-1]):
+        with pytest.raises(PathError, match=r"near .* m it goes back and forth: redraw the line without this turn"):
+            in_python(given, (0.3, 0.3, 0.5))
+        assert line_path(given, (0.3, 0.3, 0.5))[0] == TIGHT
+
+
 def test_a_point_that_the_path_leaves_is_refused_and_named(line_path) -> None:
     points = np.column_stack([np.arange(0.0, 60.0, 0.5), np.zeros(120)])
     points[60, 1] = 0.05

@@ -136,7 +136,7 @@ def test_a_straight_line_of_two_points_stays_straight() -> None:
     assert set(result.path.labels(samples[:, 0])) == {"straight"}
 
 
-@pytest.mark.parametrize("length", [3e-4, 0.1, 0.3, 1.0])
+@pytest.mark.parametrize("length", [0.1, 0.3, 1.0])
 def test_a_line_shorter_than_a_detail_keeps_its_ends_and_direction(length: float) -> None:
     points = np.array([1.0, 1.0 + 0.25j * length, 1.0 + 1j * length])
     result = drivable(line(points.real, points.imag), tolerance=1e-6)

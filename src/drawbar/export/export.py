@@ -14,11 +14,12 @@ from drawbar import __version__
 from drawbar.codegen import Component
 from drawbar.config import Configuration
 from drawbar.errors import ConfigurationError, DrawbarError
+from drawbar.estimation.settings import IdealEstimatorSettings
 from drawbar.export import sources
 from drawbar.export.initialise import literal
 from drawbar.export.manifest import configuration_hash, manifest
 from drawbar.export.memory import Memory
-from drawbar.export.precision import single, single_memory, single_text
+from drawbar.export.precision import LONGEST_WINDOW, single, single_memory, single_text
 from drawbar.export.recording import measurement_table, path_table, record
 from drawbar.export.targets import Precision, Target
 from drawbar.export.toolchain import build_target
@@ -47,13 +48,15 @@ def export_library(
     is built.
 
     Raises:
-        ConfigurationError: a component of the configuration exists in simulation only.
+        ConfigurationError: a component of the configuration exists in simulation only, or the estimator's window is too
+            long for single precision.
         PathError, HardwareError: the configuration's own run, which goes with the example, cannot begin.
         CompilerError: a target cannot be built.
         DrawbarError: the folder holds other files, or cannot be written.
     """
     _require_room(folder)
     _require_exportable(configuration)
+    _require_precise(configuration, precision)
     simulation = Simulation(configuration, _SEED)
     components = list(simulation.autopilot.library.components.values())
     sourced, memory = _source_files(configuration, components, precision)
@@ -132,6 +135,18 @@ def _require_exportable(configuration: Configuration) -> None:
                 f"The {unit.name} of this configuration exists in simulation only and cannot be exported; "
                 f'set {unit.name}.model to another, for example "articulated".'
             )
+
+
+def _require_precise(configuration: Configuration, precision: Precision) -> None:
+    """Refuse a window that single precision does not suffice for."""
+    estimator = configuration.estimator
+    if precision is Precision.DOUBLE or isinstance(estimator, IdealEstimatorSettings):
+        return
+    if estimator.method == "moving_horizon" and estimator.window > LONGEST_WINDOW:
+        raise ConfigurationError(
+            f"estimator.window = {estimator.window}: in single precision at most {LONGEST_WINDOW} samples are allowed; "
+            f"lower it, or export with --precision double."
+        )
 
 
 def _source_files(

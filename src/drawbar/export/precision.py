@@ -39,6 +39,9 @@ TOLERANCES = {
     "WHOLE_SAMPLES": ("1e-9", "1e-4"),
 }
 """what a header defines, in double and in single precision; PACK and QUAD are how many doubles a register holds"""
+LONGEST_WINDOW = 100
+"""largest estimator.window in single precision: while a longer one fills, rounding over the stages that are not
+measured yet leaves samples without a solution"""
 _LARGEST, _SMALLEST = "3e38", "1.2e-38"
 """numbers that a float can still hold"""
 _FUNCTIONS = (

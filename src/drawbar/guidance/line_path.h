@@ -194,7 +194,7 @@ static inline int32_t line_undrivable(const struct drawbar_line_row *rows, const
         drawbar_path_sample(&piece, 0.0, at);
         drawbar_path_sample(&piece, 0.5 * length, middle);
         const double rate = i > 0 ? fabs(at[AT_CURVATURE] - last[AT_CURVATURE]) / length : 0.0;
-        if (!(length <= PATH_LONGEST) || !(fmax(fabs(at[AT_CURVATURE]), fabs(middle[AT_CURVATURE])) <= limits->curvature)
+        if (!(fmax(fabs(at[AT_CURVATURE]), fabs(middle[AT_CURVATURE])) <= limits->curvature)
             || !(rate <= LINE_RATE_MARGIN * limits->curvature_rate))
             return i;
         last[AT_CURVATURE] = at[AT_CURVATURE];
@@ -249,9 +249,9 @@ int drawbar_line_path(const struct drawbar_line_point *points, int32_t count,
     }
     line_nodes(work, n, nodes);
     const struct path path = {nodes, n, NULL};
-    const int32_t undrivable = line_undrivable(work, &path, limits);
-    if (undrivable >= 0) {
-        *made = undrivable;
+    const int32_t broken = drawbar_path_check(&path), undrivable = line_undrivable(work, &path, limits);
+    if (broken >= 0 || undrivable >= 0) {
+        *made = broken >= 0 ? broken : undrivable;
         return DRAWBAR_LINE_TIGHT;
     }
     const int32_t far = line_far(&path, points, count, step, limits->tolerance);

@@ -93,6 +93,10 @@ class Path:
         """Arc length of the whole path, m."""
         return float(self.nodes[-1, 0])
 
+    def broken_node(self) -> int:
+        """Return the first node that drawbar_set_path refuses, -1 where the path can be followed."""
+        return int(_library().drawbar_path_check(CPath(self.nodes)))
+
     def sample(self, arc_length: Floats) -> Floats:
         """Return (..., 4): x (m), y (m), continuous yaw (rad), curvature (1/m) at arc lengths (...) in m."""
         asked = np.asarray(arc_length, dtype=np.float64, order="C")
@@ -210,6 +214,7 @@ def _library() -> ctypes.CDLL:
     library = load(build("path", PATH_UNIT + _TRACK))
     path, real, pointer, count = ctypes.POINTER(CPath), ctypes.c_double, ctypes.c_void_p, ctypes.c_int64
     functions = {
+        "drawbar_path_check": (ctypes.c_int32, (path,)),
         "drawbar_path_samples": (None, (path, pointer, count, pointer)),
         "drawbar_path_project": (real, (path, real, real, real, real, ctypes.POINTER(real))),
         "drawbar_path_nearest": (

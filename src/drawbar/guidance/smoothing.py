@@ -34,8 +34,6 @@ _RATE_MARGIN = 1.1
 _LONGEST_STRETCH = 2000.0
 """longest stretch that is worked on at once, m"""
 _FEWEST_PIECES = 8
-_LONGEST_PIECE = 0.275
-"""between two nodes, m: PATH_LONGEST of path.h; a line that goes back and forth near an end makes longer ones"""
 _PROJECTION_STEPS = 20
 _PROJECTED = 1e-4
 """a recorded point is projected when it is no further than this ahead of its foot point, m"""
@@ -202,10 +200,11 @@ def _require_short(line: RecordedLine, points: Complexes, step: float) -> None:
 
 
 def _require_drivable(path: Path, name: str, limits: LineLimits) -> None:
-    """Refuse a path whose curvature, its rate from node to node, or pieces are out of the limits, saying where."""
+    """Refuse a path that is broken, or whose curvature or its rate are out of the limits, saying where."""
     pieces = np.diff(path.nodes[:, 0])
-    if pieces.max() > _LONGEST_PIECE:
-        _, x, y, _ = path.nodes[int(pieces.argmax())]
+    broken = path.broken_node()
+    if broken >= 0:
+        _, x, y, _ = path.nodes[broken]
         raise PathError(
             f"line {name!r} cannot be made drivable: near ({x:z.1f}, {y:z.1f}) m it goes back and forth: redraw the "
             f"line without this turn"

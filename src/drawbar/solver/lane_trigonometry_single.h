@@ -9,6 +9,7 @@
 
 #include <math.h>
 #include <stdint.h>
+#include "ieee.h"
 #include "lane_loops.h"
 
 /* Adding 1.5 * 2^23 rounds to the nearest integer, which the last bits of the sum then hold. */

@@ -187,8 +187,9 @@ int drawbar_set_engaged(struct drawbar_state *state, int32_t engaged)
     return DRAWBAR_OK;
 }
 
-int drawbar_feedback(struct drawbar_state *state, const struct drawbar_measurement *measurement,
-                     struct drawbar_command *command)
+/* Both phases; static, so that drawbar_step calls them, and not those of another library in the same program. */
+static int feedback_phase(struct drawbar_state *state, const struct drawbar_measurement *measurement,
+                          struct drawbar_command *command)
 {
     struct autopilot *a = (struct autopilot *)state;
     const int refused = usable(state, command), unread = placed(state, measurement);
@@ -211,7 +212,7 @@ int drawbar_feedback(struct drawbar_state *state, const struct drawbar_measureme
     return status;
 }
 
-int drawbar_prepare(struct drawbar_state *state)
+static int preparation_phase(struct drawbar_state *state)
 {
     struct autopilot *a = (struct autopilot *)state;
     const int refused = usable(state, state);
@@ -226,13 +227,24 @@ int drawbar_prepare(struct drawbar_state *state)
     return DRAWBAR_OK;
 }
 
+int drawbar_feedback(struct drawbar_state *state, const struct drawbar_measurement *measurement,
+                     struct drawbar_command *command)
+{
+    return feedback_phase(state, measurement, command);
+}
+
+int drawbar_prepare(struct drawbar_state *state)
+{
+    return preparation_phase(state);
+}
+
 int drawbar_step(struct drawbar_state *state, const struct drawbar_measurement *measurement,
                  struct drawbar_command *command)
 {
-    const int status = drawbar_feedback(state, measurement, command);
+    const int status = feedback_phase(state, measurement, command);
 
     if (status < DRAWBAR_NULL)
-        drawbar_prepare(state);
+        preparation_phase(state);
     return status;
 }
 
