@@ -124,6 +124,15 @@ def test_a_drive_that_reads_no_keys_says_so_where_they_are_needed(tmp_path, opti
     assert (NO_KEYS in ended.stdout) is told, ended.stdout
 
 
+def test_a_folder_with_umlauts_and_blanks_is_recorded_into_where_text_is_not_utf_8(tmp_path):
+    """The processes were told what to do in UTF-8, and read it as what the terminal has."""
+    command = [sys.executable, "-m", "drawbar", "drive", "--by-hand", "--seconds", "1", "--out", "Feld für heute/ö 1"]
+    surroundings = {**os.environ, "PYTHONIOENCODING": "latin-1"}
+    ended = subprocess.run(command, capture_output=True, cwd=tmp_path, timeout=ENGAGE, env=surroundings, check=False)
+    assert ended.returncode == 0, ended.stdout
+    assert read_log(tmp_path / "Feld für heute" / "ö 1" / "log.mcap").records
+
+
 @pytest.mark.parametrize(
     "terminal", [[f"--set={change}" for change in (*PATIENT, "safety.timing.recorder=5.0")]], indirect=True
 )

@@ -19,7 +19,7 @@ from drawbar.safety.machine_gate import Gate
 
 def main() -> int:
     """Open the actuators and run the gate; return its exit code."""
-    options = GateOptions.model_validate_json(sys.stdin.read())
+    options = GateOptions.model_validate_json(sys.stdin.buffer.read())
     folder = Path(options.folder)
     listeners = (*(str(folder / name) for name in (GUARD, RECORDER)), options.driver or str(folder / DRIVER))
     operators = OperatorChannel(open_operator_socket(str(folder / GATE)), listeners)

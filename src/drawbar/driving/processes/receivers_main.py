@@ -57,7 +57,7 @@ _ASK_AGAIN = 0.05
 
 def main() -> int:
     """Read the receivers until told to end."""
-    options = ProcessOptions.model_validate_json(sys.stdin.read())
+    options = ProcessOptions.model_validate_json(sys.stdin.buffer.read())
     configuration = load_configuration(options.configuration)
     devices = configuration.devices
     assert devices is not None
