@@ -5,7 +5,8 @@
 
 import math
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from itertools import chain
 
 from drawbar.config import load_configuration
 from drawbar.driving.devices.path_frame import local_frame
@@ -26,6 +27,7 @@ from drawbar.driving.processes.shutdown import ShutdownRequest, run_program
 from drawbar.machine.hardware.corrections.corrections import open_corrections
 from drawbar.machine.hardware.corrections.receivers import correct
 from drawbar.machine.hardware.corrections.status import CorrectionsNews
+from drawbar.machine.hardware.device_news import LineNews, ReceiverNews
 from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.hardware.navigation import Navigation
 from drawbar.machine.hardware.receiver import Receiver
@@ -33,7 +35,6 @@ from drawbar.machine.hardware.sensor_line import SensorLine
 from drawbar.message_records import encode
 from drawbar.messages import Fixes, Role
 from drawbar.nanoseconds import nanoseconds, seconds
-from drawbar.protocols.gnss.assembly import SPOOFED
 from drawbar.realtime import prepare, say, step_back_when_busy
 from drawbar.recording.drive_records import Happening, Kind, Order, RawBytes
 from drawbar.transports.base import Received, Transport
@@ -73,7 +74,8 @@ def main() -> int:
     navigation = Navigation(receivers, local_frame(configuration), sensors)
     heartbeat, shutdown = HeartbeatSender(Role.RECEIVERS, endpoint, options.socket(GATE)), ShutdownRequest()
     corrections = open_corrections(devices.corrections, clock) if devices.corrections is not None else None
-    news, spoofed, shown = CorrectionsNews(), set[Device](), -math.inf
+    news, shown = CorrectionsNews(), -math.inf
+    of_devices = _news(devices, receivers, sensors, configuration.sample_time)
     for word in prepare(max(configuration.safety.timing.priority - _BELOW_THE_GATE, 0)):
         say(f"receivers: {word}")
     step_back_when_busy(_BUSY, "receivers: bytes come faster than they can be read")
@@ -83,8 +85,8 @@ def main() -> int:
         found = navigation.poll(seconds(now))
         inputs.note_look(now, was_due=was_due, found=bool(found))
         _send(found, endpoint, options)
-        if found:
-            _tell_spoofing(dict(zip(receiver_settings(devices), receivers, strict=True)), spoofed)
+        for word in chain.from_iterable(device.update() for device in of_devices):
+            say(f"receivers: {word}")
         heartbeat.pass_time(now)
         if corrections is not None:
             correct(corrections, clock(), receivers[0], receivers)
@@ -113,13 +115,15 @@ def _send(found: Sequence[Fixes], endpoint: Endpoint, options: ProcessOptions) -
         endpoint.send_queued(options.socket(RECORDER), record)
 
 
-def _tell_spoofing(receivers: Mapping[Device, Receiver], told: set[Device]) -> None:
-    """Report once of each receiver that it takes its signals for false ones."""
-    for device, receiver in receivers.items():
-        if device not in told and receiver.dropped[SPOOFED]:
-            told.add(device)
-            name = device.topic.replace("_", " ")
-            say(f"{name}: it reports false satellite signals (spoofing), and counts as without a fix")
+def _news(
+    devices: DeviceSettings, receivers: Sequence[Receiver], sensors: SensorLine | None, sample_time: float
+) -> list[LineNews | ReceiverNews]:
+    """Return what reports to the operator how the devices are."""
+    news: list[LineNews | ReceiverNews] = [] if sensors is None else [LineNews("sensor board", sensors.transport)]
+    for device, receiver in zip(receiver_settings(devices), receivers, strict=True):
+        name = device.topic.replace("_", " ")
+        news += [LineNews(name, receiver.transport), ReceiverNews(name, receiver, sample_time)]
+    return news
 
 
 def _sensors(devices: DeviceSettings, inputs: "InputRecorder") -> SensorLine | None:
