@@ -62,15 +62,18 @@ def main() -> int:
     configuration = load_configuration(options.configuration)
     devices = configuration.devices
     assert devices is not None
-    endpoint = Endpoint(options.socket(RECEIVERS))
     clock = options.clock
-    inputs = InputRecorder(endpoint, options.socket(RECORDER), clock)
     lines = open_receivers(devices, options.socket(SENTENCES), clock)
+    sensor_line = open_transport(devices.sensors.transport, clock) if devices.sensors is not None else None
+    endpoint = Endpoint(options.socket(RECEIVERS))  # only now: it shows that the process runs
+    inputs = InputRecorder(endpoint, options.socket(RECORDER), clock)
     receivers = [
         Receiver(inputs.tap(line, device), settings)
         for line, (device, settings) in zip(lines, receiver_settings(devices).items(), strict=True)
     ]
-    sensors = _sensors(devices, inputs)
+    sensors = None
+    if devices.sensors is not None and sensor_line is not None:
+        sensors = SensorLine(inputs.tap(sensor_line, Device.SENSORS), devices.sensors)
     navigation = Navigation(receivers, local_frame(configuration), sensors)
     heartbeat, shutdown = HeartbeatSender(Role.RECEIVERS, endpoint, options.socket(GATE)), ShutdownRequest()
     corrections = open_corrections(devices.corrections, clock) if devices.corrections is not None else None
@@ -124,14 +127,6 @@ def _news(
         name = device.topic.replace("_", " ")
         news += [LineNews(name, receiver.transport), ReceiverNews(name, receiver, sample_time)]
     return news
-
-
-def _sensors(devices: DeviceSettings, inputs: "InputRecorder") -> SensorLine | None:
-    if devices.sensors is None:
-        return None
-    return SensorLine(
-        inputs.tap(open_transport(devices.sensors.transport, inputs.clock), Device.SENSORS), devices.sensors
-    )
 
 
 class InputRecorder:
