@@ -1,5 +1,6 @@
 """Write docs/configuration.md from the declarations of the settings: python docs/configuration_page.py."""
 
+import re
 from pathlib import Path
 
 from drawbar.report.keys import Key, Section, sections
@@ -21,18 +22,30 @@ number" a TOML table with names of your own.
 
 
 def page() -> str:
-    """Return the page, Markdown."""
-    return _HEAD + "".join(_section(section) for section in sections())
+    """Return the page, Markdown; a table that stands above already is not repeated."""
+    text, first = _HEAD, dict[str, Section]()
+    for section in sections():
+        body = _body(section)
+        above = first.setdefault(body, section)
+        text += f"\n## {_title(section)}\n\n" + (body if above is section else f"As {_link(above)}.\n")
+    return text
 
 
-def _section(section: Section) -> str:
+def _title(section: Section) -> str:
     title = f"`[{section.name}]`" if section.name else "Outside of all sections"
-    variant = f" with `{section.variant}`" if section.variant else ""
-    rows = "".join(_row(key) for key in section.keys)
-    return (
-        f"\n## {title}{variant}\n\n{section.meaning}\n\n"
-        f"| key | default | unit | allowed | meaning |\n|---|---|---|---|---|\n{rows}"
-    )
+    return title + (f" with `{section.variant}`" if section.variant else "")
+
+
+def _link(section: Section) -> str:
+    """Return a link to a section's heading, of which GitHub keeps letters, digits, spaces, - and _."""
+    title = _title(section)
+    place = re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-")
+    return f"[{title}](#{place})"
+
+
+def _body(section: Section) -> str:
+    rows = "".join(map(_row, section.keys))
+    return f"{section.meaning}\n\n| key | default | unit | allowed | meaning |\n|---|---|---|---|---|\n{rows}"
 
 
 def _row(key: Key) -> str:

@@ -10,10 +10,10 @@ from pathlib import Path
 
 from pydantic import BaseModel
 
-from drawbar import message_records, messages
+from drawbar import messages
 from drawbar.declared_words import declared_words
-from drawbar.message_records import LAYOUTS, MARK, VERSION, Flaw
-from drawbar.messages import KINDS, Message
+from drawbar.messages import KINDS, Message, records
+from drawbar.messages.records import LAYOUTS, MARK, VERSION, Flaw
 from drawbar.safety.causes import Cause, Response
 from drawbar.safety.engagement import TABLE
 from drawbar.safety.settings import SafetySettings
@@ -73,7 +73,7 @@ def enumeration_table(cls: type[Enum]) -> list[str]:
 def messages_page() -> str:
     """Return docs/messages.md."""
     lines = ["# Messages between the processes of `drawbar drive`"]
-    for module in (message_records, messages):
+    for module in (records, messages):
         lines += ["", *(inspect.getdoc(module) or "").split("\n")[2:]]
     lines += ["", *CHANNELS.split("\n"), ""]
     lines += [f"- `{flaw.name}`: {flaw.value}" for flaw in Flaw]

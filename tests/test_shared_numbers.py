@@ -11,6 +11,7 @@ from drawbar.driving.fault_detection import stuck_hitch_sensor
 DETECTION = "drawbar.driving.fault_detection"
 SHARED = [
     ("drawbar.geometry", "GRAVITY", "geometry.h", "GRAVITY"),
+    ("drawbar.step.reasons", "_SIDE_SLIP", "hitch_watch.h", "HITCH_SIDE_SLIP"),
     ("drawbar.guidance.path", "LEAST_STRETCH", "line_offset.h", "OFFSET_LEAST_STRETCH"),
     ("drawbar.guidance.smoothing", "_DETAIL", "line_path.h", "LINE_DETAIL"),
     ("drawbar.guidance.smoothing", "_LONGEST_PIECE", "path.h", "PATH_LONGEST"),
@@ -41,7 +42,7 @@ SHARED = [
 
 
 def macro_value(header: str, macro: str) -> float:
-    defined = re.search(rf"^#define {macro} ([-+.\deE]+)", runtime_sources()[header], re.MULTILINE)
+    defined = re.search(rf"^#define {macro} \(?([-+.\deE]+)", runtime_sources()[header], re.MULTILINE)
     assert defined is not None
     return float(defined[1])
 

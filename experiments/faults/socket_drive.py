@@ -29,8 +29,8 @@ from drawbar.driving.stand_in.stand_ins import StandIns
 from drawbar.guidance.path import Path as DrivenPath
 from drawbar.machine.stand_in.board import Output
 from drawbar.machine.stand_in.machine import SENSORS
-from drawbar.message_records import decode, encode
 from drawbar.messages import Action, GateState, Message, SupervisorState
+from drawbar.messages.records import decode, encode
 from drawbar.nanoseconds import seconds
 from drawbar.realtime import schedule_first
 from drawbar.safety.channels import LARGEST, controller_pair

@@ -1,6 +1,6 @@
 """Statuses, flags and verdicts: how a step, a solver, a fix and a command came out, each with its number and its text.
 
-`exchange.py` prints them in C. This module imports nothing of numpy: the gate's process uses it too.
+`signals/c_headers.py` prints them in C. This module imports nothing of numpy: the gate's process uses it too.
 """
 
 from enum import IntEnum, IntFlag

@@ -23,8 +23,8 @@ from drawbar.console.visitors import MOST, Rank, Visitors
 from drawbar.driving.messaging.datagrams import PackedStep, pack
 from drawbar.driving.messaging.process_options import CONSOLE
 from drawbar.guidance.figure_eight import figure_eights
-from drawbar.message_records import decode
 from drawbar.messages import Action, OperatorMessage
+from drawbar.messages.records import decode
 from drawbar.simulation import build_path
 from drawbar.step.build import build_tubes
 from drawbar.step.layout import packed

@@ -230,7 +230,7 @@ def drive_log(tmp_path):
         asked += [message, message]  # the recorder may hear a message twice
         stage.run(3.0)
     with file.open("wb") as stream:
-        writer = ChunkedWriter(stream, "")
+        writer = ChunkedWriter(stream)
         channels = {name: writer.add_channel(f"/{name}", "json", 0) for name in ("gate", "operator")}
         named = [("gate", each) for each in states] + [("operator", each) for each in asked]
         for name, each in sorted(named, key=lambda pair: pair[1].time):
@@ -260,7 +260,7 @@ def test_a_recorder_that_falls_silent_while_steering_is_an_event_once(tmp_path):
         {"state": SupervisorState.ACTIVE, "cause": 0, "steers": steers, "refusals": [code]} for steers, code in silent
     ]
     with (tmp_path / "log.mcap").open("wb") as stream:
-        writer = ChunkedWriter(stream, "")
+        writer = ChunkedWriter(stream)
         channel = writer.add_channel("/gate", "json", 0)
         for time, state in enumerate(states):
             data = msgspec.json.encode(state)
@@ -274,7 +274,7 @@ def test_the_end_of_a_drive_is_no_fault(tmp_path):
     words = Words("de")
     ended = {"state": SupervisorState.FAULT, "cause": Cause.ENDED.value, "steers": 0, "refusals": []}
     with (tmp_path / "log.mcap").open("wb") as stream:
-        writer = ChunkedWriter(stream, "")
+        writer = ChunkedWriter(stream)
         channel = writer.add_channel("/gate", "json", 0)
         writer.add_message(channel, msgspec.json.encode(ended), log_time=SECOND, publish_time=SECOND, sequence=0)
         writer.finish()
@@ -284,7 +284,7 @@ def test_the_end_of_a_drive_is_no_fault(tmp_path):
 def test_a_chosen_pass_is_an_event(tmp_path):
     words = Words("en")
     with (tmp_path / "log.mcap").open("wb") as stream:
-        writer = ChunkedWriter(stream, "")
+        writer = ChunkedWriter(stream)
         channel = writer.add_channel("/operator", "json", 0)
         data = msgspec.json.encode({"action": Action.LINE, "nonce": 1, "value": -2.0})
         writer.add_message(channel, data, log_time=SECOND, publish_time=SECOND, sequence=0)
@@ -299,7 +299,7 @@ def test_a_notice_of_a_sensor_while_steering_is_an_event_with_advice(tmp_path, l
     gate = {"state": SupervisorState.ACTIVE, "cause": 0, "steers": 1, "refusals": []}
     told = {"status": 0, "notices": [silent.value, 0]}
     with (tmp_path / "log.mcap").open("wb") as stream:
-        writer = ChunkedWriter(stream, "")
+        writer = ChunkedWriter(stream)
         for time, (name, message) in enumerate([("gate", gate), ("controller", told)]):
             channel = writer.add_channel(f"/{name}", "json", 0)
             data = msgspec.json.encode(message)

@@ -127,6 +127,16 @@ def test_fixes_of_masts_that_sway_pass_and_count_for_less():
     assert 1.5 * 0.06 < np.mean(deviations) < alike
 
 
+@pytest.mark.parametrize("missing", [(), ("tractor_roll",), ("trailer_roll",)])
+def test_errors_that_last_count_as_sway_only_where_a_roll_is_not_measured(missing):
+    measured = {name: 0.0 for name in ("tractor_roll", "trailer_roll") if name not in missing}
+    sway = lasting(700, 0.06, 1.0, 0, direction=0.4 + math.pi / 2)
+    results = screened([replace(m, **measured) for m in drive(700, sway, seed=0)])
+    weighed = np.isfinite([result.measurement.tractor_fix_deviation for result in results[400:]])
+    assert set(weighed) == {bool(missing)}
+    assert np.mean([result.fixes != (OK, OK) for result in results[LATER:]]) <= 0.01
+
+
 def exposes(after, *, silent=None):
     """Return whether a shift of 12 cm ahead is found among fixes far better than stated, after so many samples.
 

@@ -16,8 +16,8 @@ from drawbar.config import load_configuration
 from drawbar.export.export import export_library
 from drawbar.export.targets import TARGETS, Precision, find_target
 from drawbar.guidance.path import Path as DrivenPath
-from drawbar.signal_layout import Layout
 from drawbar.signals import Command, Diagnostics, Estimate, Measurement
+from drawbar.signals.layout import Layout
 
 MEASUREMENT, COMMAND, ESTIMATE, DIAGNOSTICS = map(Layout, (Measurement, Command, Estimate, Diagnostics))
 

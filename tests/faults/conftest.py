@@ -22,8 +22,8 @@ from drawbar.export import manifest, sources
 from drawbar.export.export import export_library
 from drawbar.geometry import Floats
 from drawbar.guidance.path import Path as DrivenPath
-from drawbar.signal_layout import Layout
 from drawbar.signals import Command, Diagnostics, Flag, Measurement, Status, Truth
+from drawbar.signals.layout import Layout
 from drawbar.simulation import Simulation
 
 SOLVE = "WATCHED(WATCHED_FEEDBACK, rti_feedback(&component->rti, resources));"

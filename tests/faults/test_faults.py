@@ -211,6 +211,12 @@ FAULTS = {
     "the trailer's roll is stuck": Fault(
         change=at(0.05, "trailer_roll"), ends=Status.ROLL, within=20.0, settings=LEANS
     ),
+    "the hitch sensor drifts by 2°/s": Fault(
+        change=lambda m: replace(m, hitch_angle=wrap(m.hitch_angle + math.radians(2.0) * (m.time - BEGINS))),
+        ends=Status.HITCH,
+        within=10.0,
+        distance=0.6,
+    ),
     "the hitch sensor is stuck": Fault(change=at(0.3, "hitch_angle"), ends=Status.HITCH, within=1.2),
     **{
         f"a caller who comes every {0.2 * every:.1f} s": Fault(

@@ -56,7 +56,7 @@ def driven(seed: int) -> Floats:
 
 def in_python(points: Floats, limits: tuple[float, ...] = LIMITS) -> Floats:
     """Return the nodes that drawbar path writes."""
-    line = RecordedLine(name="line", x=points[:, 0], y=points[:, 1], frame=None, repeated=0)
+    line = RecordedLine(name="line", x=points[:, 0], y=points[:, 1], frame=None)
     curvature, rate, tolerance = limits
     drivable = make_drivable(line, LineLimits(curvature=curvature, curvature_rate=rate, tolerance=tolerance))
     return drivable.path.nodes

@@ -150,7 +150,7 @@ def first_wrong(nodes: Floats) -> int:
 
 def recorded() -> Path:
     s = np.linspace(0.0, 60.0, 40)
-    line = RecordedLine(name="wave", x=s, y=3.0 * np.sin(s / 9.0), repeated=0)
+    line = RecordedLine(name="wave", x=s, y=3.0 * np.sin(s / 9.0))
     return make_drivable(line, LineLimits(curvature=0.2, curvature_rate=0.3, tolerance=0.5)).path
 
 

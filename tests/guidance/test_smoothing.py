@@ -16,7 +16,7 @@ LIMIT, RATE = 0.3, 0.3
 
 
 def line(x: Floats, y: Floats) -> RecordedLine:
-    return RecordedLine(name="line", x=x, y=y, repeated=0)
+    return RecordedLine(name="line", x=x, y=y)
 
 
 def drivable(recorded: RecordedLine, tolerance: float = 0.6, limit: float = LIMIT) -> DrivablePath:

@@ -7,8 +7,8 @@ from typing import Any, Self
 import numpy as np
 
 from drawbar.geometry import Floats
-from drawbar.signal_layout import Layout
 from drawbar.signals import BodyPlan, BodyReference, SolverStatus
+from drawbar.signals.layout import Layout
 
 Real = ctypes.c_double
 Reals = ctypes.POINTER(Real)

@@ -8,8 +8,8 @@ from drawbar.console.link import Link
 from drawbar.console.visitors import Rank, Visitor
 from drawbar.driving.messaging.endpoint import Endpoint
 from drawbar.driving.messaging.process_options import CONSOLE, GATE
-from drawbar.message_records import encode
 from drawbar.messages import Action, SupervisorState
+from drawbar.messages.records import encode
 
 LONGEST = 90.0
 """time until something happens on a busy machine, s"""

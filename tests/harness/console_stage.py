@@ -29,8 +29,8 @@ from drawbar.driving.messaging.console_options import ConsoleOptions
 from drawbar.driving.stand_in.demonstration import with_stand_ins
 from drawbar.geometry import LocalFrame
 from drawbar.guidance.figure_eight import figure_eights
-from drawbar.message_records import encode
 from drawbar.messages import ControllerState, Fixes
+from drawbar.messages.records import encode
 from drawbar.safety.causes import Cause
 from drawbar.safety.engagement import Engagement, Situation
 from drawbar.safety.gate_report import Actuation, Counts, Tick, gate_state

@@ -5,8 +5,8 @@ import socket
 import sys
 import time as clock
 
-from drawbar.message_records import decode, encode
 from drawbar.messages import CommandMessage, ControllerState, GateState, Mode, SupervisorState
+from drawbar.messages.records import decode, encode
 from drawbar.realtime import prepare
 
 STEERING = (SupervisorState.ENGAGING, SupervisorState.ACTIVE, SupervisorState.DEGRADED, SupervisorState.STOPPING)

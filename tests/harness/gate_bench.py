@@ -3,7 +3,6 @@
 import math
 from dataclasses import replace
 
-from drawbar.message_records import decode, encode
 from drawbar.messages import (
     Action,
     CommandMessage,
@@ -15,6 +14,7 @@ from drawbar.messages import (
     Role,
     SupervisorState,
 )
+from drawbar.messages.records import decode, encode
 from drawbar.protocols.actuator import Readiness, SteeringReport
 from drawbar.protocols.speed_actuator import SpeedReport
 from drawbar.safety.envelope import Bounds

@@ -5,7 +5,8 @@ import math
 import random
 import struct
 
-from drawbar.machine.stand_in import nmea, sbf, ubx
+from receiver_frames import nmea, sbf, ubx
+
 from drawbar.machine.stand_in.receiver import Report
 from drawbar.protocols.crc24q import crc24q
 from drawbar.protocols.gnss.checksums import crc_ccitt

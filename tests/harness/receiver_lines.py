@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 from functools import partial
 
 from hostile_frames import altered, broken
+from receiver_frames import nmea, sbf, ubx
 
-from drawbar.machine.stand_in import nmea, sbf, ubx
 from drawbar.machine.stand_in.receiver import Report
 from drawbar.signals import FixQuality
 

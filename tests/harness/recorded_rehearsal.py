@@ -5,8 +5,8 @@ from contextlib import contextmanager
 from drawbar.driving.stand_in.rehearsal import Rehearsal
 from drawbar.geometry import LocalFrame
 from drawbar.machine.stand_in.machine import SENSORS
-from drawbar.message_records import decode, encode
 from drawbar.messages import KINDS
+from drawbar.messages.records import decode, encode
 from drawbar.recording.drive_log import DriveLog
 from drawbar.recording.drive_records import Happening, Kind, Order, RawBytes
 from drawbar.recording.header import run_header

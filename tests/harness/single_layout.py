@@ -3,7 +3,7 @@
 from struct import Struct
 from typing import Any
 
-from drawbar.signal_layout import Layout
+from drawbar.signals.layout import Layout
 
 
 class SingleLayout(Layout):

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from drawbar.guidance.path import PATH_UNIT
-from drawbar.signal_layout import Layout
 from drawbar.signals import Diagnostics, Estimate, Flag, Measurement, Status
+from drawbar.signals.layout import Layout
 
 HERE = Path(__file__).parents[1] / "step"
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror")

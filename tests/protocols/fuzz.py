@@ -20,8 +20,8 @@ from drawbar.config import load_configuration
 from drawbar.driving.messaging.datagrams import unpack
 from drawbar.driving.stand_in.demonstration import with_isobus, with_stand_ins
 from drawbar.errors import ConfigurationError
-from drawbar.message_records import LAYOUTS, MARK, VERSION, Flaw, decode
 from drawbar.messages import KINDS
+from drawbar.messages.records import LAYOUTS, MARK, VERSION, Flaw, decode
 from drawbar.protocols.actuator import Readiness, SteeringRequest
 from drawbar.protocols.agopengps.board_settings import decode_steer_config, decode_steer_settings
 from drawbar.protocols.agopengps.frame import COMPUTER, PREFIX, STEER_BOARD, Frame, Pgn, checksum, parse

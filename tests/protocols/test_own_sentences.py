@@ -87,3 +87,36 @@ def test_a_board_whose_milliseconds_wrap_goes_on():
     assert len(board.push(sentence(2**32 - 40, None, 0) + sentence(10, None, 0), 1.0)) == 2
     assert not board.dropped
     assert len(speeds) == 2
+
+
+def ages(came, *, rate=1.0, period=0.05):
+    """Return how old each report is said to be, s, of a board whose clock goes at a rate; came(t) is its delay, s."""
+    board, found = SensorBoard(None, None), []
+    for k in range(4000):
+        received = period * k + came(period * k)
+        [report] = board.push(sentence(round(1e3 * rate * period * k), None, 0), received)
+        found.append(received - report.time)
+    return found
+
+
+def test_a_line_that_becomes_slower_makes_reports_older():
+    found = ages(lambda t: 0.02 if t < 30.0 else 0.37)
+    assert max(found[:600]) < 0.001
+    assert found[601] == pytest.approx(0.35 - 0.006 * 0.45, abs=0.001)
+    assert found[801] == pytest.approx(0.35 - 0.006 * 10.45, abs=0.001)
+
+
+def test_reports_that_come_in_bursts_have_their_own_times():
+    found = ages(lambda t: 0.1 - t % 0.1 if t % 0.1 > 0.001 else 0.0)
+    assert found[501:505] == pytest.approx([0.05, 0.0] * 2, abs=0.003)
+
+
+@pytest.mark.parametrize("rate", [0.995, 1.005])
+def test_a_clock_that_is_wrong_by_half_a_percent_ages_nothing(rate):
+    assert max(ages(lambda t: 0.02, rate=rate)) < 0.001
+
+
+def test_a_clock_that_stood_still_is_no_delay():
+    board = SensorBoard(None, None)
+    board.push(sentence(0, None, 0), 1.0)
+    assert board.push(sentence(50, None, 0), 11.0)[0].time == 11.0

@@ -13,8 +13,8 @@ from drawbar.driving.messaging.process_options import GATE, RECORDER
 from drawbar.driving.operator.display import headline
 from drawbar.driving.operator.requests import Operator, gate_sender
 from drawbar.errors import DrawbarError, StorageError
-from drawbar.message_records import decode
 from drawbar.messages import Action, OperatorMessage, SupervisorState
+from drawbar.messages.records import decode
 from drawbar.recording.drive_events import Became, Loss, Noticed, drive_events
 from drawbar.recording.drive_log import DriveLog
 from drawbar.recording.header import run_header

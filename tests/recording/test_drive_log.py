@@ -13,7 +13,7 @@ from mcap.reader import make_reader
 from drawbar.config import load_configuration
 from drawbar.errors import DrawbarError
 from drawbar.geometry import LocalFrame
-from drawbar.message_records import encode
+from drawbar.messages.records import encode
 from drawbar.recording.drive_log import DriveLog
 from drawbar.recording.drive_records import Happening, Kind, Order, RawBytes, is_drive, open_drive
 from drawbar.recording.header import run_header

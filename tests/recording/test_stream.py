@@ -25,7 +25,7 @@ BOTH = pytest.mark.parametrize("level", [None, LEVEL])
 def written(messages: int, size: int = 100, level: int | None = None) -> BytesIO:
     """Return a file of messages (bytes each) in chunks of one message."""
     file = BytesIO()
-    writer = ChunkedWriter(file, "drawbar", level)
+    writer = ChunkedWriter(file, level)
     channel = writer.add_channel("/step", "json", 0)
     for number in range(messages):
         writer.add_message(channel, bytes([number]) * size, sequence=number, log_time=number, publish_time=number)
@@ -48,7 +48,7 @@ def test_messages_come_in_their_order_with_topic_and_time(level: int | None) -> 
 def test_messages_of_a_channel_stand_together_and_the_index_finds_all(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(chunk, "CHUNK_BYTES", 400)
     file = BytesIO()
-    writer = ChunkedWriter(file, "drawbar", LEVEL)
+    writer = ChunkedWriter(file, LEVEL)
     channels = [writer.add_channel(topic, "json", 0) for topic in ("/a", "/b")]
     sent = [(channels[i % 3 == 1], i, bytes([i]) * (i + 1)) for i in range(40)]
     for channel, number, data in sent:
@@ -101,7 +101,7 @@ class InterruptedFrame:
 def test_a_chunk_whose_end_is_interrupted_is_whole_when_it_is_ended_again(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(chunk, "CHUNK_BYTES", 10_000)
     file = BytesIO()
-    writer = ChunkedWriter(file, "drawbar", LEVEL)
+    writer = ChunkedWriter(file, LEVEL)
     channels = [writer.add_channel(topic, "json", 0) for topic in ("/a", "/b")]
     sent = [(i % 2, i, bytes([i]) * (i + 1)) for i in range(20)]
     for channel, number, data in sent:
@@ -136,7 +136,7 @@ def test_a_chunk_without_an_end_needs_no_more_memory_than_it_has_bytes(monkeypat
 
     monkeypatch.setattr(chunk, "CHUNK_BYTES", 1000)
     file = BytesIO()
-    writer = ChunkedWriter(file, profile="drawbar")
+    writer = ChunkedWriter(file)
     writer.add_message(writer.add_channel("/step", "json", 0), b"one", sequence=0, log_time=0, publish_time=0)
     writer.flush()
     assert list(read_records(Small(file.getvalue()))) == [LoggedMessage("/step", 0, 0, b"one", "")]
@@ -201,7 +201,7 @@ def test_a_kill_at_any_moment_costs_one_message_at_most(
 ) -> None:
     monkeypatch.setattr(chunk, "CHUNK_BYTES", 2 * bytes_each)  # those of 10 are longer when they are compressed
     file, told = Watched(), [bytes([65 + number]) * bytes_each for number in range(6)]
-    writer = ChunkedWriter(file, "drawbar", level)
+    writer = ChunkedWriter(file, level)
     channel = writer.add_channel("/test", "", 0)
     for number, data in enumerate(told):
         before = len(file.states)

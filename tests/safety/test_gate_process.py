@@ -26,8 +26,8 @@ from drawbar.driving.messaging.process_options import BOARDS, GATE, GateOptions
 from drawbar.driving.messaging.socket_passing import pass_socket
 from drawbar.driving.processes.guard_main import OFF
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
-from drawbar.message_records import decode, encode
 from drawbar.messages import Action, GateState, Heartbeat, OperatorMessage, Role, SupervisorState
+from drawbar.messages.records import decode, encode
 from drawbar.safety.channels import controller_pair
 from drawbar.safety.gate_process import ENDED, FAILED, GONE
 from drawbar.safety.settings import SafetySettings

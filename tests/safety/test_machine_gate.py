@@ -7,8 +7,8 @@ from gate_bench import BOUNDS, TICK, Bench, driving, told
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drawbar.message_records import decode, encode
 from drawbar.messages import Action, CommandMessage, GateState, Heartbeat, Mode, Role, SupervisorState
+from drawbar.messages.records import decode, encode
 from drawbar.safety import machine_gate
 from drawbar.safety.causes import Cause
 from drawbar.safety.engagement import ACTIVE, DEGRADED, ENGAGING, FAULT, READY, STANDBY, STEERING

@@ -244,6 +244,20 @@ def test_a_lasting_difference_of_hitch_and_joint_is_held_against_what_is_usual_o
     assert set(hitch_statuses([*rough, *[(0.06, 0.0)] * 20])) == {0}
 
 
+@pytest.mark.parametrize(
+    ("apart", "after", "ends"), [(5.0, 60, True), (-5.0, 60, True), (4.0, 60, False), (5.0, 40, False)]
+)
+def test_side_slips_that_no_ground_makes_are_of_a_sensor_that_drifts(apart: float, after: int, ends: bool) -> None:
+    """After ten seconds on the way, in which the estimate has settled."""
+    sanity, statuses = Sanity(), []
+    for k in range(after + 8):
+        crab = math.radians(apart) if k >= after else 0.0
+        believed_now = replace(estimate(), tractor_crab=1.0 + crab, trailer_crab=1.0)
+        statuses.append(sanity.look(measurement(k), believed_now, beside(0.0), beside(0.0), math.nan)[0])
+    assert (Status.HITCH in statuses) is ends
+    assert Status.HITCH not in statuses[: after + 3]
+
+
 def test_a_contradiction_that_the_yaw_rate_does_not_share_may_last_three_times_as_long() -> None:
     wet = [(0.0, 0.0)] * 50 + [(0.07, 0.0)] * 7 + [(0.0, 0.0)] * 50
     assert set(hitch_statuses(wet, departure=0.035)) == {0}  # wheels that slip on a wet patch
@@ -270,6 +284,20 @@ def test_a_hitch_sensor_that_fails_in_a_curve_stops_the_run_near_the_line(speed:
     assert "the sensor of the hitch angle" in log.outcome.reason
     errors = true_path_errors(log)
     assert max(float(np.nanmax(np.abs(each.error))) for each in (errors.tractor, errors.trailer)) < 0.2
+
+
+@pytest.mark.parametrize("speed", [1.0, 2.0])
+@pytest.mark.parametrize("rate", [-2.0, 1.0])
+def test_a_hitch_sensor_that_drifts_stops_the_run(speed: float, rate: float) -> None:
+    def drift(m: Measurement) -> Measurement:
+        return replace(m, hitch_angle=m.hitch_angle + math.radians(rate) * max(m.time - 20.0, 0.0))
+
+    with Simulation(load_configuration("articulated", ["path.radii=[8.0]", f"speed={speed}"])) as simulation:
+        simulation.machine = InterceptedMachine(simulation.machine, drift)
+        log = simulation.log()
+    assert "one of both sensors drifts or is off" in log.outcome.reason
+    errors = true_path_errors(log)
+    assert max(float(np.nanmax(np.abs(each.error))) for each in (errors.tractor, errors.trailer)) < 0.7
 
 
 def swapped(m: Measurement) -> Measurement:

@@ -58,6 +58,42 @@ def test_what_dies_away_or_stays_small_is_no_oscillation(errors: list[float]) ->
     assert min(share for _, share in watched(errors)) == 1.0
 
 
+def test_small_swings_of_the_front_wheels_as_of_play_slow_after_three_periods_and_never_end_the_run() -> None:
+    """Peaks of 7°, as of wheels with a play of 4° to either side; the second time they are not driven out any more."""
+    settings, period = SanitySettings(), 8.0
+    spell = [0.13 * value for value in sine(round(4.0 * period / SAMPLE), period)]
+    calm = [0.0] * round(2.0 * settings.swing_calm / SAMPLE)
+    angles = [*spell, *calm, *spell, *calm, *spell, *calm]
+    seen = watched([0.0] * len(angles), angles)
+    shares, again = [share for _, share in seen], len(spell) + len(calm)
+    assert {status for status, _ in seen} == {0}
+    assert set(shares) == {1.0, settings.swing_share}
+    assert 2.5 * period <= SAMPLE * shares.index(settings.swing_share) <= 3.5 * period
+    assert set(shares[again - 10 : again]) == {1.0}
+    assert set(shares[again + len(spell) :]) == {settings.swing_share}
+
+
+@pytest.mark.parametrize(
+    "angles",
+    [
+        [0.09 * value for value in sine(400, 8.0)],  # below the threshold
+        [0.13 * value for value in sine(100, 8.0)] + [0.0] * 100,  # five half waves
+        [0.19 * math.exp(-k / 60.0) * value for k, value in enumerate(sine(400, 8.0))],  # dies away
+        np.random.default_rng(0).normal(0.0, 0.03, 400).tolist(),
+    ],
+)
+def test_fewer_or_smaller_swings_of_the_front_wheels_are_no_oscillation(angles: list[float]) -> None:
+    assert set(watched([0.0] * len(angles), angles)) == {(0, 1.0)}
+
+
+def test_small_swings_do_not_slow_what_oscillates_already_any_further() -> None:
+    settings, period = SanitySettings(), 8.0
+    large, calm = sine(45, 4.0, 0.3), [0.0] * round(0.5 * settings.swing_calm / SAMPLE)
+    small = [0.13 * value for value in sine(round(4.0 * period / SAMPLE), period)]
+    errors, angles = [*large, *calm, *[0.0] * len(small)], [*[0.0] * len([*large, *calm]), *small]
+    assert watched(errors, angles)[-1] == (0, settings.swing_share)
+
+
 def test_what_has_oscillated_and_calms_down_is_tried_once_more() -> None:
     settings = SanitySettings()
     swung, calm = sine(45, 4.0, 0.3), [0.0] * round(2.0 * settings.swing_calm / SAMPLE)

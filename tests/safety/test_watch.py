@@ -125,9 +125,10 @@ def test_late_steps_are_those_of_the_last_seconds_of_this_controller():
         (Cause.POSITION_REJECTED, 1.0, SupervisorState.ACTIVE),
         (Cause.ANTENNA_DISTANCE, 1.0, SupervisorState.ACTIVE),
         (Cause.STEERING_MIRRORED, 0.3, SupervisorState.FAULT),
+        (Cause.STEERING_CONTRADICTS, 0.3, SupervisorState.FAULT),
     ],
 )
-def test_a_notice_that_refuses_to_engage_ends_a_drive_only_where_the_steering_is_mirrored(cause, seconds, after):
+def test_a_notice_that_refuses_to_engage_ends_a_drive_only_where_the_front_wheels_are_wrong(cause, seconds, after):
     told = {"notices": (cause.value, *[0] * 7)}
     assert setting_looks.refuses(cause, **told)(SafetySettings())
     assert not setting_looks.refuses(cause)(SafetySettings())

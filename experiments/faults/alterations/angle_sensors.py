@@ -26,6 +26,14 @@ def tractor_angle_off_5(trial):
     trial.device("angle-off")
 
 
+def tractor_angle_drifts(trial):
+    trial.device("angle-drifts")
+
+
+def trailer_angle_drifts(trial):
+    trial.device("joint-angle-drifts")
+
+
 def tractor_angle_reversed(trial):
     trial.device("angle-reversed")
 

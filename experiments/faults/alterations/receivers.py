@@ -7,7 +7,7 @@ from datetime import timedelta
 from drawbar.machine.stand_in.breaking import freeze, moved, report_otherwise
 from drawbar.machine.stand_in.machine import BODIES
 from drawbar.machine.stand_in.receiver import of_quality
-from drawbar.machine.stand_in.ubx import frame
+from drawbar.protocols.gnss.checksums import fletcher
 from drawbar.signals import FixQuality
 
 
@@ -107,9 +107,10 @@ def antennas_swapped(trial):
 
 def spoofing_reported(trial, bodies=BODIES):
     """Let receivers say that their signals are false ones: UBX NAV-STATUS, spoofing found."""
-    status = frame(0x01, 0x03, struct.pack("<IBBBBII", 0, 3, 1, 0, 2 << 3, 0, 0))
+    status = bytes((0x01, 0x03)) + struct.pack("<HIBBBBII", 16, 0, 3, 1, 0, 2 << 3, 0, 0)
+    frame = b"\xb5\x62" + status + fletcher(status)
     links = [f"{body} receiver" for body in bodies]
-    trial.alter_links(links, lambda chance, start: lambda now, data: [(0.0, data + status)])
+    trial.alter_links(links, lambda chance, start: lambda now, data: [(0.0, data + frame)])
 
 
 def spoofing_reported_by_one(trial):

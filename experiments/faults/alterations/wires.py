@@ -109,6 +109,10 @@ def receivers_reordered(trial):
     trial.alter_links(RECEIVERS, reordered)
 
 
+def sensors_late(trial):
+    trial.alter_links(["sensors"], delayed(0.35))
+
+
 def board_silent(trial):
     trial.device("board-silent")
 

@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
+from drawbar.benchmark.simulated_actuators import SimulatedHydrostat, SimulatedValve
 from drawbar.geometry import Floats
 from drawbar.machine.low_level.low_level import ActuateInput, LowLevel, SpeedAxis, SteeringAxis, TableSensor
 from drawbar.machine.low_level.settings import PositionLoopSettings, SpeedLoopSettings, ValveSettings
-from drawbar.machine.low_level.simulated import SimulatedHydrostat, SimulatedValve
 from drawbar.machine.settings import HydrostatSettings
 
 _RATE = math.radians(25.0)

@@ -10,8 +10,8 @@ from drawbar.codegen import build
 from drawbar.codegen.library import aligned, load
 from drawbar.geometry import Floats
 from drawbar.guidance.path import Path
-from drawbar.signal_layout import Layout
 from drawbar.signals import Command, Measurement
+from drawbar.signals.layout import Layout
 from drawbar.step.autopilot import Autopilot
 
 _MEASUREMENT, _COMMAND = Layout(Measurement), Layout(Command)

@@ -6,6 +6,7 @@ from nicegui import ui
 
 from drawbar.console.link import Link
 from drawbar.console.view import Board, drives_chosen_line, set_speed_text, shift_text
+from drawbar.console.widgets import button
 from drawbar.console.words import Words
 from drawbar.driving.operator.requests import changed_speed
 from drawbar.messages import Action
@@ -49,8 +50,7 @@ class Adjusting:
         self._otherwise, self._width = speed, working_width
         self._followed = link.clock()  # when the chosen line was driven last
         self._is_open = False
-        self._fold = ui.button(words("unfold"), on_click=self._toggle, color=None)
-        self._fold.props("no-caps unelevated aria-expanded=false").classes("fold plain")
+        self._fold = button(words("unfold"), self._toggle, "fold plain").props("aria-expanded=false")
         with ui.element("div").classes("adjust needs-sight") as self._fine:
             self._button("◀", "nudge_left", lambda: self._nudge(NUDGE))
             self._shift = self._reading("line_shift")
@@ -129,5 +129,4 @@ class Adjusting:
             return ui.label("–").classes("value")
 
     def _button(self, sign: str, key: str, act: Callable[[], None]) -> ui.button:
-        button = ui.button(sign, on_click=act, color=None).classes("first").mark(key)
-        return button.props(f'no-caps unelevated aria-label="{self._words(key)}"')
+        return button(sign, act, "first").mark(key).props(f'aria-label="{self._words(key)}"')

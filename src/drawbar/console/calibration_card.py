@@ -1,20 +1,19 @@
 """Calibration card: what to drive by hand, how far that is done, and what it shows (docs/calibration.md)."""
 
 import asyncio
-import json
 import math
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 from nicegui import ui
 
 from drawbar.config import Configuration
-from drawbar.console.calibration_widgets import CURVE, StepList, list_found, plot_options
+from drawbar.console.calibration_widgets import CURVE, StepList, changes_of, list_found, plot_options
 from drawbar.console.hand_log import Driven
 from drawbar.console.link import Link
 from drawbar.console.live_plot import Curve, LivePlot
 from drawbar.console.next_drive import NextDrive
+from drawbar.console.widgets import button, card
 from drawbar.console.words import Words
 from drawbar.driving.preparation.dead_bands import dead_bands
 from drawbar.driving.preparation.hand_calibration import CalibrationResult, calibrate
@@ -66,15 +65,13 @@ class CalibrationCard:
         self._next_drive, self._link, self._words, self._keep_changes = next_drive, link, words, keep
         self._changes: list[str] = []
         self._due, self._works, self._version = 0, False, 0
-        with ui.element("section").classes("card"):
-            with ui.element("h2"):
-                ui.label(words("calibrate"))
+        with card(words("calibrate")):
             ui.label(words("calibrate_help")).classes("note")
             self._steps = StepList([(key, picture) for key, picture, _ in STEPS], words)
             with ui.element("div").classes("line-up"):
-                self._begin = self._button("calibrate_begin", self._start)
-                self._evaluate = self._button("calibrate_evaluate", self._find)
-                self._keep = self._button("calibrate_keep", self._save).classes("main")
+                self._begin = button(words("calibrate_begin"), self._start)
+                self._evaluate = button(words("calibrate_evaluate"), self._find)
+                self._keep = button(words("calibrate_keep"), self._save, "action main")
             self._said = ui.label().classes("note").props("role=status")
             self._track = ui.echart(plot_options("m", "m")).classes("track-plot")
             self._angles = LivePlot("angle-plot")
@@ -99,10 +96,6 @@ class CalibrationCard:
     def _count(self, done: Driven | None) -> None:
         """Show how much of each step has been driven; None: nothing."""
         self._steps.count([measure(done) if done else None for _, _, measure in STEPS])
-
-    def _button(self, key: str, act: Callable[[], Any]) -> ui.button:
-        button = ui.button(self._words(key), on_click=act, color=None)
-        return button.props("no-caps unelevated").classes("action")
 
     def _show_buttons(self) -> None:
         log, free = self._link.hand_log, not self._link.is_engaged and not self._works
@@ -162,7 +155,7 @@ class CalibrationCard:
             return
         finally:
             self._works = False
-        self._changes = [f"{key}={json.dumps(value)}" for each in found for key, value in each.sets.items()]
+        self._changes = changes_of(found)
         self._said.set_text(self._words("calibrate_found", count=sum(each.value.accepted for each in found)))
         list_found(self._found, found, self._words)
         self._show_buttons()

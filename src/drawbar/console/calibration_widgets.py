@@ -1,5 +1,6 @@
 """Calibration widgets: steps with pictures and how far each is done, plots, and what was found."""
 
+import json
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -36,6 +37,11 @@ class StepList:
             much, enough, unit = each
             text = f"{min(much, 9999.0):.0f} / {enough:.0f} {unit}".strip()
             label.set_text(f"✓ {text}" if much >= enough else text)
+
+
+def changes_of(found: Iterable[CalibrationResult]) -> list[str]:
+    """Return what was found as KEY=VALUE."""
+    return [f"{key}={json.dumps(value)}" for each in found for key, value in each.sets.items()]
 
 
 def list_found(place: ui.element, found: Iterable[CalibrationResult], words: Words) -> None:

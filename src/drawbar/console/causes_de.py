@@ -127,6 +127,8 @@ CAUSES_DE: Mapping[Cause, tuple[str, str]] = {
         "Anzeige der Maschine ansehen"),
     Cause.SHADOW: ("drawbar schaut nur zu",
         "ohne --shadow starten"),
+    Cause.STEERING_CONTRADICTS: ("der Traktor dreht nicht so, wie seine Vorderräder gemessen werden",
+        "Sensor der Vorderräder, Gestänge, Kabel und Vorzeichen prüfen, dann neu kalibrieren"),
     Cause.GATE_LATE: ("der Wächter selbst kam zu spät",
         "andere Programme beenden; Echtzeit erlauben"),
     Cause.SUSPENDED: ("der Rechner war im Ruhezustand",

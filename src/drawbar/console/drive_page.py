@@ -13,6 +13,7 @@ from drawbar.console.link import Link
 from drawbar.console.menu import menu
 from drawbar.console.view import Board, board, display_name, picture
 from drawbar.console.visitors import Visitor
+from drawbar.console.widgets import button, heading
 from drawbar.console.words import Words
 from drawbar.messages import Action
 from drawbar.safety.causes import Cause
@@ -148,7 +149,7 @@ class DrivePage:
             self._button("release", ask(Action.RELEASE), "release")
 
     def _button(self, key: str, act: Callable[[], None], classes: str) -> ui.button:
-        return ui.button(self._words(key), on_click=act, color=None).props("no-caps unelevated").classes(classes)
+        return button(self._words(key), act, classes)
 
     def _ask(self, action: Action) -> Callable[[], None]:
         return lambda: self._send(action)
@@ -198,8 +199,8 @@ class DrivePage:
         self._wish.set_visibility(shown.may_wish)
         self._arm.set_enabled(shown.may_arm)
         self._engage.set_enabled(shown.may_engage)
-        for button in (self._arm, self._engage):
-            button.set_visibility(not shown.may_acknowledge and not shown.steers)
+        for each in (self._arm, self._engage):
+            each.set_visibility(not shown.may_acknowledge and not shown.steers)
         self._acknowledge.set_visibility(shown.may_acknowledge)
         self._adjusting.show(shown)
         self._why.set_visibility(bool(shown.reasons))
@@ -219,8 +220,7 @@ class DrivePage:
 
 def _list(shown: Board) -> None:
     """Build the list of reasons."""
-    with ui.element("h2"):
-        ui.label(shown.heading)
+    heading(shown.heading)
     with ui.element("ol"):
         for sentence, advice in shown.reasons:
             with ui.element("li"):

@@ -9,6 +9,7 @@ from nicegui import events, ui
 from drawbar.console.access_control import LARGEST_UPLOAD
 from drawbar.console.next_drive import NextDrive
 from drawbar.console.page_head import tell
+from drawbar.console.widgets import button, card
 from drawbar.console.words import Words
 from drawbar.errors import DrawbarError
 from drawbar.fields.exchange import KINDS, WRITERS, take_in
@@ -33,9 +34,7 @@ class ExchangeCard:
     ) -> None:
         """Build the card; `shown` returns the field to export, `keep` keeps what was imported."""
         self._frame, self._words, self._shown, self._keep = next_drive.frame, words, shown, keep
-        with ui.element("section").classes("card"):
-            with ui.element("h2"):
-                ui.label(words("import_export"))
+        with card(words("import_export")):
             upload = ui.upload(
                 on_upload=self._take,
                 on_rejected=lambda: tell(words("too_large", size=LARGEST_UPLOAD >> 20)),
@@ -46,8 +45,7 @@ class ExchangeCard:
             ui.label(words("import_kinds", kinds=", ".join(KINDS))).classes("note")
             with ui.element("div").classes("line-up"):
                 self._kind = ui.select(list(WRITERS), value="GeoJSON", label=words("format")).props("outlined")
-                button = ui.button(words("export"), on_click=self._give, color=None)
-                button.props("no-caps unelevated").classes("action")
+                button(words("export"), self._give)
 
     async def _take(self, event: events.UploadEventArguments) -> None:
         data = await event.file.read()

@@ -20,6 +20,7 @@ from drawbar.console.next_drive import NextDrive
 from drawbar.console.page_head import PageHead, tell
 from drawbar.console.thinning import kept_points
 from drawbar.console.visitors import Visitor
+from drawbar.console.widgets import button, card
 from drawbar.console.words import Words
 from drawbar.errors import DrawbarError, PathError
 from drawbar.fields.field import Field, FieldLine
@@ -60,7 +61,7 @@ class FieldsPage:
             with ui.element("div"):
                 self._build_choice()
                 if visitor.may_drive:
-                    self._new_line = NewLineCard(next_drive, link, words, self._keep_line)
+                    self._new_line = NewLineCard(link, words, self._keep_line)
                     ExchangeCard(next_drive, words, lambda: self._field, self._take_in)
         names = next_drive.fields.names()
         self._show_field(names[0] if names else None)
@@ -95,9 +96,7 @@ class FieldsPage:
 
     def _build_choice(self) -> None:
         words = self._words
-        with ui.element("section").classes("card"):
-            with ui.element("h2"):
-                ui.label(words("line_to_drive"))
+        with card(words("line_to_drive")):
             with ui.element("div").classes("line-up"):
                 self._fields = ui.select([], label=words("field"), on_change=self._field_chosen).props("outlined")
                 self._lines = ui.select([], label=words("line"), on_change=self._replan).props("outlined")
@@ -108,8 +107,7 @@ class FieldsPage:
             ui.label(words("pass_help")).classes("note")
             self._summary = ui.label().classes("note")
             self._flaw = ui.label().classes("flaw").props("role=alert")
-            self._take = ui.button(words("take_line"), on_click=self._take_line, color=None)
-            self._take.props("no-caps unelevated").classes("action main")
+            self._take = button(words("take_line"), self._take_line, "action main")
 
     def _figure(self, key: str, value: float, unit: str, shape: str) -> ui.number:
         return ui.number(

@@ -7,6 +7,7 @@ from drawbar.console.live_plot import Curve, LivePlot
 from drawbar.console.page_head import PageHead
 from drawbar.console.signal_history import PRESETS, Column, all_names, columns, row
 from drawbar.console.visitors import Visitor
+from drawbar.console.widgets import button
 from drawbar.console.words import Words
 
 _OPTION = """
@@ -43,8 +44,7 @@ class InsidePage:
                 self._names.props("outlined use-chips use-input input-debounce=0").classes("whole")
                 self._names.add_slot("option", _OPTION)
                 self._names.add_slot("selected-item", _CHOSEN)
-                self._pause = ui.button(words("pause"), on_click=self._toggle, color=None)
-                self._pause.props("no-caps unelevated").classes("action")
+                self._pause = button(words("pause"), self._toggle)
             self._plot = LivePlot()
             self._said = ui.label(words("no_steps")).classes("note")
         self._choose()

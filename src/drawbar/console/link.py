@@ -18,8 +18,8 @@ from drawbar.driving.messaging.datagrams import CorrectionsFailure, EstimateDevi
 from drawbar.driving.operator.requests import Operator
 from drawbar.driving.preparation.push_calibration import STOPPED, PushCalibration
 from drawbar.machine.hardware.bare_valve import Motion
-from drawbar.message_records import decode
 from drawbar.messages import Action, ControllerState, Fixes, GateState, OperatorMessage
+from drawbar.messages.records import decode
 from drawbar.safety.engagement import STEERING
 from drawbar.safety.operator_requests import ALWAYS
 from drawbar.step.layout import unpacked

@@ -7,8 +7,8 @@ import numpy as np
 from nicegui import ui
 
 from drawbar.console.link import Link
-from drawbar.console.next_drive import NextDrive
 from drawbar.console.page_head import tell
+from drawbar.console.widgets import button, card
 from drawbar.console.words import Words
 from drawbar.errors import DrawbarError
 from drawbar.fields.lines import from_a_and_b, from_a_and_heading
@@ -21,12 +21,10 @@ _COMPASS = 360.0
 class NewLineCard:
     """Makes lines where the tractor is."""
 
-    def __init__(self, next_drive: NextDrive, link: Link, words: Words, keep: Callable[[str, Floats], None]) -> None:
+    def __init__(self, link: Link, words: Words, keep: Callable[[str, Floats], None]) -> None:
         """Build the card; `keep` takes a new line's name and points, (n, 2) m of the drive's frame."""
-        self._next_drive, self._surveyor, self._words, self._keep = next_drive, link.surveyor, words, keep
-        with ui.element("section").classes("card"):
-            with ui.element("h2"):
-                ui.label(words("new_line"))
+        self._surveyor, self._words, self._keep = link.surveyor, words, keep
+        with card(words("new_line")):
             self._name = ui.input(words("name_of_line")).props("outlined maxlength=100")
             with ui.element("div").classes("line-up"):
                 self._button("set_a", self._set_a)
@@ -49,8 +47,8 @@ class NewLineCard:
         self._b.set_enabled(surveyor.a is not None)
         self._along.set_enabled(surveyor.a is not None)
         self._record.set_visibility(track is None)
-        for button in (self._end, self._drop):
-            button.set_visibility(track is not None)
+        for each in (self._end, self._drop):
+            each.set_visibility(track is not None)
         texts = [] if known else [words("no_yaw" if surveyor.is_fixed else "no_position")]
         if track is not None:
             texts.append(words("recording_points", count=len(track.points)))
@@ -67,7 +65,7 @@ class NewLineCard:
                 tell(self._words.message(error))
             self.refresh()
 
-        return ui.button(self._words(key), on_click=guarded, color=None).props("no-caps unelevated").classes("action")
+        return button(self._words(key), guarded)
 
     def _called(self, otherwise: str) -> str:
         return (self._name.value or "").strip() or otherwise

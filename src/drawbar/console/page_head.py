@@ -6,6 +6,7 @@ from drawbar.console.link import Link
 from drawbar.console.menu import menu
 from drawbar.console.view import board
 from drawbar.console.visitors import Visitor
+from drawbar.console.widgets import button
 from drawbar.console.words import Words
 from drawbar.messages import Action
 
@@ -20,7 +21,7 @@ class PageHead:
             with ui.element("div").classes("words"):
                 ui.label(title).classes("word").props("role=heading aria-level=1")
                 self._state = ui.label().classes("detail").props("role=status")
-            ui.button(words("stop"), on_click=self._stop, color=None).props("no-caps unelevated").classes("bar-stop")
+            button(words("stop"), self._stop, "bar-stop")
             menu(words, login=login)
         self.refresh()
 

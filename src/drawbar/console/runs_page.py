@@ -20,6 +20,7 @@ from drawbar.console.page_head import PageHead, tell
 from drawbar.console.run_comparison import FIGURES, METRICS, read_metrics, value_of
 from drawbar.console.run_events import run_events
 from drawbar.console.visitors import Visitor
+from drawbar.console.widgets import button, card
 from drawbar.console.words import Words
 from drawbar.errors import DrawbarError
 from drawbar.recording.log import LOG_NAME, read_log
@@ -90,11 +91,7 @@ class RunsPage:
         self._head.refresh()
 
     def _button(self, key: str, act: Callable[[], object], **values: str) -> ui.button:
-        return (
-            ui.button(self._words(key, **values), on_click=act, color=None)
-            .props("no-caps unelevated")
-            .classes("action")
-        )
+        return button(self._words(key, **values), act)
 
     def _show_all(self) -> None:
         self._comparison.clear()
@@ -107,17 +104,12 @@ class RunsPage:
         names = [run.name for run in runs if (self._folder / run.name / METRICS).is_file()]
         if len(names) < 2:
             return
-        with ui.element("section").classes("card"):
-            with ui.element("h2"):
-                ui.label(self._words("compare_two"))
-            with ui.element("div").classes("line-up"):
-                self._one = (
-                    ui.select(names, value=names[1], label=self._words("run_a")).props("outlined").classes("whole")
-                )
-                self._other = (
-                    ui.select(names, value=names[0], label=self._words("run_b")).props("outlined").classes("whole")
-                )
-                self._button("compare", self._compare)
+        with card(self._words("compare_two")), ui.element("div").classes("line-up"):
+            self._one = ui.select(names, value=names[1], label=self._words("run_a")).props("outlined").classes("whole")
+            self._other = (
+                ui.select(names, value=names[0], label=self._words("run_b")).props("outlined").classes("whole")
+            )
+            self._button("compare", self._compare)
 
     def _show_list(self) -> None:
         words = self._words

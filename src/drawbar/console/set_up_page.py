@@ -19,6 +19,7 @@ from drawbar.console.valve_card import ValveCard
 from drawbar.console.vehicle_drawing import number_id, vehicle_drawing
 from drawbar.console.versions import Version, read_version
 from drawbar.console.visitors import Visitor
+from drawbar.console.widgets import button, card, heading
 from drawbar.console.words import Words
 from drawbar.errors import DrawbarError
 
@@ -91,15 +92,12 @@ class SetUpPage:
                 self._valve = ValveCard(next_drive, link, words, self._take_found, note)
 
     def _build_group(self, title: str, values: tuple[SetUpValue, ...]) -> None:
-        with ui.element("section").classes("card"):
-            with ui.element("h2"):
-                ui.label(self._words(title))
-            with ui.element("div").classes("numbers"):
-                for value in values:
-                    number = ui.number(shown_name(value, self._words), suffix=value.unit.name, on_change=self._check)
-                    number.props(f"outlined debounce=300 for={number_id(value)}")
-                    number.set_enabled(self._may_change)
-                    self._numbers[value] = number
+        with card(self._words(title)), ui.element("div").classes("numbers"):
+            for value in values:
+                number = ui.number(shown_name(value, self._words), suffix=value.unit.name, on_change=self._check)
+                number.props(f"outlined debounce=300 for={number_id(value)}")
+                number.set_enabled(self._may_change)
+                self._numbers[value] = number
 
     @property
     def _may_change(self) -> bool:
@@ -110,30 +108,23 @@ class SetUpPage:
 
     def _build_saving(self) -> None:
         words = self._words
-        with ui.element("section").classes("card"):
-            with ui.element("h2"):
-                ui.label(words("changes"))
+        with card(words("changes")):
             self._said = ui.label().classes("note lines").props("aria-live=polite")
             self._flaw = ui.label().classes("flaw").props("role=alert")
             with ui.element("div").classes("line-up"):
-                self._save = ui.button(words("save_version"), on_click=self._keep, color=None)
-                self._save.props("no-caps unelevated").classes("action main")
-                undo = ui.button(words("undo"), on_click=self._reset, color=None)
-                undo.props("no-caps unelevated").classes("action")
+                self._save = button(words("save_version"), self._keep, "action main")
+                button(words("undo"), self._reset)
             ui.label(words("saving_help" if self._may_change else "only_maintainer")).classes("note")
 
     def _build_devices(self) -> None:
         self._devices: dict[str, list[ui.label]] = {}
-        with ui.element("section").classes("card"):
-            with ui.element("h2"):
-                ui.label(self._words("devices"))
-            with ui.element("table").classes("figures-table"):
-                absent = missing(self._next_drive.driven.devices)
-                for name in (each for each in (*DEVICES, "corrections") if each not in absent):
-                    with ui.element("tr"):
-                        with ui.element("td"):
-                            ui.label(self._words(name))
-                        self._devices[name] = [_cell() for _ in range(3)]
+        with card(self._words("devices")), ui.element("table").classes("figures-table"):
+            absent = missing(self._next_drive.driven.devices)
+            for name in (each for each in (*DEVICES, "corrections") if each not in absent):
+                with ui.element("tr"):
+                    with ui.element("td"):
+                        ui.label(self._words(name))
+                    self._devices[name] = [_cell() for _ in range(3)]
 
     def _reset(self) -> None:
         """Show what was saved last."""
@@ -201,14 +192,12 @@ class SetUpPage:
         self._versions.clear()
         self._versions.set_visibility(bool(versions))
         with self._versions:
-            with ui.element("h2"):
-                ui.label(words("versions"))
+            heading(words("versions"))
             for version in versions:
                 with ui.element("div").classes("line-up"):
                     ui.label(f"{version.file.name} · {version.written}").classes("grow")
                     if self._may_change:
-                        button = ui.button(words("go_on_from"), on_click=partial(self._go_back, version), color=None)
-                        button.props("no-caps unelevated").classes("action")
+                        button(words("go_on_from"), partial(self._go_back, version))
 
     def _go_back(self, version: Version) -> None:
         try:

@@ -1,7 +1,6 @@
 """Valve card: pushes a valve or motor that has no loop of its own, shows it live, and shows what its loop needs."""
 
 import asyncio
-import json
 import math
 import time
 from collections.abc import Callable
@@ -9,10 +8,11 @@ from contextlib import closing
 
 from nicegui import ui
 
-from drawbar.console.calibration_widgets import StepList, list_found
+from drawbar.console.calibration_widgets import StepList, changes_of, list_found
 from drawbar.console.link import Link
 from drawbar.console.live_plot import Curve, LivePlot
 from drawbar.console.next_drive import NextDrive
+from drawbar.console.widgets import button, card
 from drawbar.console.words import Words
 from drawbar.driving.preparation.hand_calibration import CalibrationResult
 from drawbar.driving.preparation.push_calibration import (
@@ -55,19 +55,17 @@ class ValveCard:
         self._pushing: PushCalibration | None = None
         """what this page has begun, as long as it continues"""
         self._shown, self._prepared, self._changes = 0, -math.inf, list[str]()
-        with ui.element("section").classes("card"):
-            with ui.element("h2"):
-                ui.label(words("valve"))
+        with card(words("valve")):
             ui.label(words("valve_help")).classes("note")
             self._steps = StepList(STEPS, words)
             with ui.element("div").classes("line-up"):
-                self._prepare = self._button("valve_prepare", self._ready)
-                self._begin = self._button("valve_begin", self._push).classes("main")
-                self._stop = self._button("valve_stop", self._end).classes("halt")
+                self._prepare = button(words("valve_prepare"), self._ready)
+                self._begin = button(words("valve_begin"), self._push, "action main")
+                self._stop = button(words("valve_stop"), self._end, "action halt")
             self._said = ui.label().classes("note").props("role=status")
             self._plots = [LivePlot("push-plot", self._attend) for _ in _CURVES]
             self._found = ui.element("div")
-            self._keep = self._button("valve_keep", self._save).classes("main")
+            self._keep = button(words("valve_keep"), self._save, "action main")
         for plot in self._plots:
             plot.set_visibility(False)
         self._show_buttons()
@@ -80,10 +78,6 @@ class ValveCard:
         self._count(self._pushing)
         if all(plot.may_draw for plot in self._plots):
             self._draw(self._pushing, anew=False)
-
-    def _button(self, key: str, act: Callable[[], object]) -> ui.button:
-        button = ui.button(self._words(key), on_click=act, color=None)
-        return button.props("no-caps unelevated").classes("action")
 
     def _show_buttons(self) -> None:
         free = not self._link.is_engaged and self._link.pushing is None
@@ -129,7 +123,7 @@ class ValveCard:
         self._count(pushing)
         self._draw(pushing, anew=False)
         self._said.set_text(self._words.message(pushing.reason) if pushing.reason else self._words("valve_enter"))
-        self._changes = [f"{key}={json.dumps(value)}" for each in found for key, value in each.sets.items()]
+        self._changes = changes_of(found)
         list_found(self._found, found, self._words)
         self._show_buttons()
 

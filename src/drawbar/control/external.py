@@ -21,8 +21,8 @@ import numpy as np
 from drawbar.codegen import Unit, Workspace
 from drawbar.control.settings import ExternalControllerSettings
 from drawbar.errors import ConfigurationError
-from drawbar.signal_layout import Layout
 from drawbar.signals import BodyReference, Estimate, Reference
+from drawbar.signals.layout import Layout
 from drawbar.vehicle.parameters import VehicleParameters
 
 _ESTIMATE = Layout(Estimate)

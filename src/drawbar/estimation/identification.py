@@ -7,8 +7,8 @@ from drawbar.codegen import Component, build
 from drawbar.codegen.library import load
 from drawbar.estimation.actuation import actuation_unit
 from drawbar.estimation.settings import ActuationSettings
-from drawbar.signal_layout import Layout
 from drawbar.signals import Actuation, Command, Measurement
+from drawbar.signals.layout import Layout
 from drawbar.vehicle.parameters import VehicleParameters
 
 _FOREVER = 1e6

@@ -147,6 +147,20 @@ static inline void watch_swing(struct position_alignment *positions, int body, c
                  noise, !lean_is_constant(&positions->leans.constant[body]), interval->elapsed);
 }
 
+/* Whether a fix is the one that was reported before; it is then aligned as it was, or NaN where it is older now. */
+static inline int repeats_fix(struct reported_fix *known, double age, double elapsed, double *fix)
+{
+    const double aged = age - known->age;
+
+    known->age = age;
+    if (!known->known || fix[0] != known->reported[0] || fix[1] != known->reported[1])
+        return 0;
+    memcpy(fix, known->aligned, sizeof known->aligned);
+    if (aged > 0.5 * elapsed)              /* it has been taken in already */
+        fix[0] = fix[1] = (double)NAN;
+    return 1;
+}
+
 /* Align one body's fix in place; NaN where it is too old or none, or has been reported before and is older now. deviation: of the
  * fix, as reported, m. */
 static inline void align_fix(struct position_alignment *positions, int body, const struct sample_interval *interval, double age,
@@ -154,27 +168,22 @@ static inline void align_fix(struct position_alignment *positions, int body, con
 {
     const struct drawbar_pose *last = body_pose(interval->last, body);
     const struct drawbar_pose *now = body_pose(interval->expected, body);
+    const struct drawbar_pose then = pose_at_age(interval, age, last, now);
     const struct mast *mast = &positions->masts[body];
     struct reported_fix *known = &positions->fixes[body];
     const double reported[] = {fix[0], fix[1]};
     const int has_mast = !mast_is_none(mast);
     struct attitude attitude = {0.0, 0.0};
     double arm[2] = {0.0, 0.0};
-    const struct drawbar_pose then = pose_at_age(interval, age, last, now);
-    if (has_mast)
+
+    if (has_mast)                          /* also of a sample without a fix: its weights continue */
         attitude = attitude_then(positions, body, interval, age, &then);
     if (isnan(age)) {
         fix[0] = fix[1] = (double)NAN;
         return;
     }
-    const double aged = age - known->age;
-    known->age = age;
-    if (known->known && reported[0] == known->reported[0] && reported[1] == known->reported[1]) {
-        memcpy(fix, known->aligned, sizeof known->aligned);
-        if (aged > 0.5 * interval->elapsed)    /* it has been taken in already */
-            fix[0] = fix[1] = (double)NAN;
+    if (repeats_fix(known, age, interval->elapsed, fix))
         return;
-    }
     if (has_mast) {
         lever_arm(mast, then.yaw, attitude.roll, attitude.pitch, arm);
         fix[0] -= arm[0];

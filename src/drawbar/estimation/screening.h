@@ -230,12 +230,14 @@ static inline void screening_accept(struct screening *s, const struct drawbar_me
         }
 }
 
-/* Add the variance by sway of the masts (m2) to that of both fixes. */
+/* Add the variance by sway of the masts (m2) to that of both fixes, unless the attitude of both bodies is measured: then it is none
+ * of masts. Fixes that count less the further they are from the estimate would let it follow wheels that have play. */
 static inline void screening_weigh(const struct screening *s, double sway, struct drawbar_measurement *accepted)
 {
     double *reported[] = {&accepted->tractor_fix_deviation, &accepted->trailer_fix_deviation};
+    const int measured = isfinite(accepted->tractor_roll) && isfinite(accepted->trailer_roll);
 
-    for (int i = 0; i < 2 && sway > 0.0; ++i) {
+    for (int i = 0; i < 2 && sway > 0.0 && !measured; ++i) {
         const double white = isnan(*reported[i]) ? s->deviation : *reported[i];
         *reported[i] = sqrt(white * white + sway);
     }

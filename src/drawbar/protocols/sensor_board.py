@@ -16,6 +16,10 @@ _WRAP = 2**32
 """ms"""
 _RESTARTED = 5
 """reports in a row that are not after the last one come from a board that has restarted"""
+_DRIFT = 0.006
+"""by which a board's clock may be slow: a ceramic resonator is wrong by 0.5 %"""
+_STOPPED = 2.0
+"""delay beyond which the board's clock has stood still rather than its line become so slow, s"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -23,11 +27,32 @@ class SensorReport:
     """What the board reported at one instant; NaN: it has no such sensor, or the sensor has a fault."""
 
     time: float
+    """monotonic time at which it was measured, as far as the delay has changed, s"""
+    received: float
     """monotonic time at which it came, s"""
     hitch_angle: float = math.nan
     """rad"""
     wheel_speed: float = math.nan
     """m/s, forward positive"""
+
+
+class _BoardClock:
+    """The board's time in the monotonic clock: as ReceiverClock, but of a clock that may be as wrong as `_DRIFT`.
+
+    The constant part of the delay is not observable; a line that becomes slower, or reports in bursts, is seen.
+    """
+
+    def __init__(self) -> None:
+        self._least, self._received = math.inf, math.inf  # delay, and time of the last report, s
+
+    def measured(self, stamp: float, received: float) -> float:
+        """Return when a report was measured, given the board's time and when it came, s."""
+        delay = received - stamp
+        self._least = min(delay, self._least + _DRIFT * max(received - self._received, 0.0))
+        self._received = received
+        if delay - self._least > _STOPPED:
+            self._least = delay
+        return stamp + self._least
 
 
 class SensorBoard:
@@ -37,7 +62,8 @@ class SensorBoard:
         """Take the calibration of the sensors that it has."""
         self._hitch, self._wheel = hitch, WheelSpeed(encoder) if encoder else None
         self._sentences = SentenceReader("PDBS")
-        self._stamp: float | None = None
+        self._clock = _BoardClock()
+        self._stamp: float | None = None  # the board's time since its first report, s
         self._last = self._not_after = 0
         self.faults: Counter[str] = Counter()
         """readings with a fault, by sensor and fault"""
@@ -64,10 +90,12 @@ class SensorBoard:
         if self._comes_late(milliseconds):
             self.dropped["not after the one before"] += 1
             return None
+        stamp = self._advance(milliseconds)
         return SensorReport(
-            time=time,
+            time=self._clock.measured(stamp, time),
+            received=time,
             hitch_angle=self._hitch_angle(counts),
-            wheel_speed=self._wheel_speed(milliseconds, pulses),
+            wheel_speed=self._wheel_speed(stamp, pulses),
         )
 
     def _comes_late(self, milliseconds: int) -> bool:
@@ -82,13 +110,17 @@ class SensorBoard:
         reading = self._hitch.read(counts)
         return self._noted("hitch", reading.value, reading.fault)
 
-    def _wheel_speed(self, milliseconds: int, pulses: int | None) -> float:
+    def _advance(self, milliseconds: int) -> float:
+        """Return the board's time since its first report, s."""
         step = (milliseconds - self._last) % _WRAP
         self._stamp = 0.0 if self._stamp is None else self._stamp + step * 1e-3
         self._last = milliseconds
+        return self._stamp
+
+    def _wheel_speed(self, stamp: float, pulses: int | None) -> float:
         if self._wheel is None or pulses is None:
             return math.nan
-        reading = self._wheel.read(self._stamp, pulses)
+        reading = self._wheel.read(stamp, pulses)
         return self._noted("wheel", reading.value, reading.fault)
 
     def _noted(self, sensor: str, value: float, fault: SensorFault) -> float:

@@ -32,12 +32,11 @@ MAGIC = b"\x89MCAP0\r\n"
 class ChunkedWriter:
     """Puts records into a seekable stream that is at its beginning; the caller opens and closes it."""
 
-    def __init__(self, stream: BinaryIO, profile: str, level: int | None = None) -> None:
+    def __init__(self, stream: BinaryIO, level: int | None = None) -> None:
         """Write the magic and the header.
 
         Args:
             stream: to be written.
-            profile: of MCAP.
             level: zstd's, of the chunks; None: they stay as they are.
         """
         self._stream = stream
@@ -53,7 +52,7 @@ class ChunkedWriter:
         self._chunks: list[ChunkIndex] = []
         self._counts: dict[int, int] = {}
         stream.write(MAGIC)
-        self._put(Header(profile=profile, library="drawbar"))
+        self._put(Header(profile="drawbar", library="drawbar"))
 
     def add_schema(self, name: str, encoding: str, data: bytes) -> int:
         """Describe messages; return the schema's number."""

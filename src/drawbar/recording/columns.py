@@ -25,11 +25,12 @@ _SLIPS = ("longitudinal_slip", "tractor_slip", "steering_offset", "tractor_crab"
 _STEERINGS = ("tractor_steering", "trailer_steering")
 _BODIES = ("tractor", "trailer")
 _REPORTED: tuple[str, ...] = (
-    *(f"measurement.{name}" for name in ("time", "tractor_x", "tractor_y", "speed", "hitch_angle")),
-    *(f"measurement.{body}_roll" for body in _BODIES),
+    *(f"measurement.{name}" for name in ("time", "speed", "hitch_angle")),
+    *(f"measurement.{body}_{name}" for body in _BODIES for name in ("x", "y", "roll", "pitch", "fix_age")),
     "measurement.tractor_yaw",
     *(f"actuation.{body}_roll_{name}" for body in _BODIES for name in ("offset", "deviation")),
-    *(f"estimate.{body}.yaw" for body in _BODIES),
+    "actuation.fix_latency",
+    *(f"estimate.{body}.{name}" for body in _BODIES for name in ("x", "y", "yaw")),
     *(f"estimate.{name}" for name in ("speed", "hitch_angle", "trailer_slip", *_SLIPS)),
     *(f"estimate.{body}_fix" for body in _BODIES),
     *(f"reference.{body}.{name}" for body in _BODIES for name in ("progress", "lateral_error")),
@@ -49,7 +50,6 @@ _REPORTED_OF_TRUTH: tuple[str, ...] = (
     *(f"truth.{body}_{angle}" for body in _BODIES for angle in ("roll", "pitch")),
 )
 _REPORTED_WITHOUT_TRUTH: tuple[str, ...] = (
-    *(f"estimate.{body}.{name}" for body in _BODIES for name in "xy"),
     "estimate.tractor_steering",
     *(f"measurement.{name}" for name in _STEERINGS),
 )

@@ -104,7 +104,7 @@ class Recorder:
             raise StorageError(f"{file}: cannot be written ({error.strerror}); choose another folder") from error
 
     def _begin(self, header: RunHeader, level: int | None) -> None:
-        self._writer = ChunkedWriter(self._stream, profile="drawbar", level=level)
+        self._writer = ChunkedWriter(self._stream, level)
         data = msgspec.json.encode(header, enc_hook=encode_special)
         self._writer.add_attachment(HEADER_NAME, "application/json", data, created=time.time_ns())
 

@@ -7,6 +7,7 @@ from rich.text import Text
 
 from drawbar.report.masts import doubt_text
 from drawbar.report.metrics import Metrics
+from drawbar.report.positions import position_texts
 from drawbar.report.tables import (
     ERROR_COLUMNS,
     TIME_COLUMNS,
@@ -36,6 +37,7 @@ def summary(metrics: Metrics) -> RenderableType:
     doubts = (
         doubt_text(metrics.mast_doubt_m.tractor, metrics.mast_doubt_m.trailer),
         yaw_text(metrics.yaw_difference_rad),
+        *position_texts(metrics.residual_m, metrics.rejected_share, metrics.antennas_aside_m),
     )
     shown: list[RenderableType] = [
         "",

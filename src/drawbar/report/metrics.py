@@ -16,6 +16,7 @@ from drawbar.recording.log import Columns
 from drawbar.report.columns import actual_steering, along, engaged, estimated
 from drawbar.report.masts import mast_doubt
 from drawbar.report.path_errors import Bodies, PathErrors
+from drawbar.report.positions import antennas_aside, lasting_residual, rejected_share
 from drawbar.report.two_antennas import yaw_difference
 from drawbar.signals import FixStatus, GateVerdict
 
@@ -93,6 +94,14 @@ class Metrics:
     """the errors are of estimated positions, as on every real machine: what the estimate is off by is not in them"""
     mast_doubt_m: Bodies[float]
     """by how much masts may mislead for want of an attitude sensor, see masts.py; 0: there is one, or no mast"""
+    residual_m: Bodies[float]
+    """by how much accepted fixes lay beside the estimate for seconds on end, root mean square: estimated errors are too
+    small by as much"""
+    rejected_share: Bodies[float]
+    """of the new fixes of each antenna"""
+    antennas_aside_m: float
+    """by how much the tractor's antenna stands further to the left of the trailer's than stated, by side-slips that are
+    the same in all headings; NaN: the headings do not tell that from a slope"""
     yaw_difference_rad: float
     """by how much the yaw of the tractor's two antennas is left of the estimated one; NaN: they are not there"""
     yaw_rmse_rad: Bodies[float]
@@ -245,6 +254,9 @@ def compute_metrics(log: Columns, errors: Bodies[PathErrors]) -> Metrics:
         ),
         error_estimated=not log.has_truth,
         mast_doubt_m=_of_both(mast_doubt, log),
+        residual_m=_of_both(lasting_residual, log),
+        rejected_share=_of_both(rejected_share, log),
+        antennas_aside_m=antennas_aside(log),
         yaw_difference_rad=yaw_difference(log),
         yaw_rmse_rad=_of_both(_yaw_rmse, log),
         steering_rate_mean_rad_s=_of_both(_steering_rate, log),

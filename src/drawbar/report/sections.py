@@ -20,6 +20,7 @@ from drawbar.report.figures import (
 from drawbar.report.map import map_figure
 from drawbar.report.masts import doubt_text, mast_doubt, mounting_text
 from drawbar.report.path_errors import Bodies, PathErrors
+from drawbar.report.positions import antennas_aside, lasting_residual, position_texts, rejected_share
 from drawbar.report.scene import scene_figure
 from drawbar.report.style import Figure
 from drawbar.report.two_antennas import yaw_difference, yaw_text
@@ -110,10 +111,15 @@ def _driving(log: Columns, errors: Bodies[PathErrors]) -> list[Section]:
 
 
 def _doubt(log: Columns) -> str:
-    """Write by how much masts may mislead where nothing measures how the bodies lean, and which sensors are askew."""
+    """Write what makes positions doubtful: masts, askew sensors, and what the fixes contradict."""
     doubt = doubt_text(mast_doubt(log, "tractor"), mast_doubt(log, "trailer"))
     askew = (mounting_text(log, body) for body in ("tractor", "trailer"))
-    found = [doubt, *askew, yaw_text(yaw_difference(log))]
+    residual, rejected = (
+        Bodies(tractor=figure(log, "tractor"), trailer=figure(log, "trailer"))
+        for figure in (lasting_residual, rejected_share)
+    )
+    of_positions = position_texts(residual, rejected, antennas_aside(log))
+    found = [doubt, *askew, yaw_text(yaw_difference(log)), *of_positions]
     return "".join(f" {text[0].upper()}{text[1:]}." for text in found if text)
 
 

@@ -167,6 +167,8 @@ class Cause(Enum):
         "see the machine's own display")
     SHADOW = (420, True, Response.RELEASE, "drawbar only looks on",
         "start it without --shadow")
+    STEERING_CONTRADICTS = (421, True, Response.RELEASE, "the tractor does not turn as its wheels are measured",
+        "check the sensor of the front wheels, its linkage, cable and sign, then calibrate it again")
 
     GATE_LATE = (501, True, Response.RELEASE, "the gate itself came late",
         "end other programs; allow real-time scheduling")

@@ -94,6 +94,8 @@ class Observation:
     """both antennas are not as far apart as the vehicle is long, as the controller reports"""
     mirrored: bool = False
     """the tractor turns the other way than its front wheels are measured, as the controller reports"""
+    turns_otherwise: bool = False
+    """the tractor does not turn as its front wheels are measured, as the controller reports"""
     not_following: bool = False
     """a steering contradicts its commands, as the controller reports, which has ended its run for it while driving"""
     recording: bool = False
@@ -146,6 +148,7 @@ _PRESENT: dict[Cause, Present] = {
     Cause.STEERING_REVERSED: lambda o, s: o.reversed,
     Cause.STEERING_JUMPED: lambda o, s: o.jumped,
     Cause.STEERING_MIRRORED: lambda o, s: o.mirrored,
+    Cause.STEERING_CONTRADICTS: lambda o, s: o.turns_otherwise,
     Cause.ACTUATOR_RELEASED: lambda o, s: o.released,
     Cause.GATE_LATE: lambda o, s: o.late_ago < s.engage.clean,
     Cause.SUSPENDED: lambda o, s: o.suspended,

@@ -2,7 +2,7 @@
 
 Two questions, in this order. May the record be obeyed at all (`admit`)? It is refused, never mended, if its sequence
 is wrong, it has expired, or its time cannot be. Are its numbers allowed (`limit`)? What is beyond is limited, and said.
-All numbers of a decoded record are finite (message_records.py), and every comparison is written so that NaN fails it.
+All numbers of a decoded record are finite (messages/records.py), and every comparison is written so that NaN fails it.
 
 It is not `gate.h`, the last part of the control step, which answers for commands of one run by a model of the
 actuators; this one is independent of the controller, and uses what is measured. Pure, without numpy.

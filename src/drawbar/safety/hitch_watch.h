@@ -2,7 +2,8 @@
  *
  * The estimate absorbs most of a wrong hitch angle in yaws and side-slips, and both bodies are steered beside the line. A
  * residual of a few degrees remains in both angles, beyond its root mean square on this ground. A stuck sensor is detected
- * earlier: it repeats one angle while the estimate turns.
+ * earlier: it repeats one angle while the estimate turns. One that drifts leaves no residual: it is followed by side-slips
+ * that become more and more different, where the ground moves both bodies alike.
  */
 #ifndef DRAWBAR_HITCH_WATCH_H
 #define DRAWBAR_HITCH_WATCH_H
@@ -21,6 +22,8 @@
 #define HITCH_CLIP 3.0                     /* limits at which a residual is clipped */
 #define HITCH_BASELINE_CLIP 2.0            /* root mean squares at which a mean residual is clipped: no fault may raise them */
 #define HITCH_SPEED 0.1                    /* below which the mean square is not updated, m/s */
+#define HITCH_SIDE_SLIP (4.5 * DRAWBAR_PI / 180.0) /* difference of the bodies' side-slips that is a contradiction, rad, */
+#define HITCH_SETTLED 15.0                 /* once the mean square covers this time, with its prior, s */
 #define HITCH_CONFIRMED (2.6 * DRAWBAR_PI / 180.0) /* departure of the fixes' yaw from the yaw rate below which the angles are
                                               confirmed: the wheels slip instead, rad */
 #define HITCH_CONFIRMED_SHARE (1.0 / 3.0)  /* and for how much a contradiction then counts */
@@ -70,7 +73,8 @@ static inline int hitch_is_contradicted(struct hitch_watch *watch, const struct 
         watch->baseline_time = fmin(watch->baseline_time + elapsed, HITCH_BASELINE);
         watch->baseline += elapsed / watch->baseline_time * (clipped_mean * clipped_mean - watch->baseline);
     }
-    return mean > limit;
+    const int apart = fabs(estimate->tractor_crab - estimate->trailer_crab) > HITCH_SIDE_SLIP;
+    return mean > limit || (solved && apart && watch->baseline_time >= HITCH_SETTLED);
 }
 
 /* For how long the sensor has repeated one angle although the estimate has turned away from it, s; infinite at once where its

@@ -8,8 +8,8 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from drawbar.message_records import Flaw, decode, encode
 from drawbar.messages import Action, CommandMessage, ControllerState, Heartbeat, Mode, OperatorMessage
+from drawbar.messages.records import Flaw, decode, encode
 from drawbar.protocols.actuator import SteeringReport, SteeringRequest
 from drawbar.protocols.speed_actuator import SpeedReport, SpeedRequest
 from drawbar.realtime import suspended_time

@@ -11,6 +11,8 @@
 #include "unit.h"
 
 #define MOST_SPELLS 2                      /* how often a run may begin to oscillate */
+#define SMALL_SWING 0.5                    /* share of a steering swing that is small, as of play: it is only driven slower for */
+#define SMALL_SWINGS 2                     /* times as many half waves of which are an oscillation */
 #define SWING_SPEED 0.1                    /* below which a vehicle shows no calm, m/s */
 
 struct component {
@@ -22,7 +24,7 @@ struct component {
     double wheelbase;                      /* m */
     int32_t swings_slow, swings_stop;      /* half waves */
     /* state */
-    struct swings errors[2], steering;
+    struct swings errors[2], steering, play;
     int32_t swinging, oscillations;        /* it oscillates; how often that has started, */
     int32_t slowing;                       /* and how many of these times the vehicle is driven slower for */
     double calm;                           /* driven since the last swing, s */
@@ -37,32 +39,33 @@ struct component {
     SETTING(component, swing_share, 0, 1, 0, 0) SETTING(component, swing_calm, 0, 1, 0, 0)                             \
     SETTING(component, swings_slow, 1, 1, 0, 0) SETTING(component, swings_stop, 1, 1, 0, 0)
 
-/* How many half waves in a row either error or the steering has swung. */
+/* How many half waves in a row either error or the steering has swung; `small`: the steering by half as much. */
 static inline int32_t swings_of(struct component *sanity, const struct drawbar_estimate *estimate,
-                                const struct drawbar_body_reference *tractor,
-                                const struct drawbar_body_reference *trailer)
+                                const struct drawbar_body_reference *tractor, const struct drawbar_body_reference *trailer,
+                                double elapsed, int32_t *small)
 {
-    const time_stamp now = sanity->positions.time;
     const double beside = estimate->tractor_steering - atan(sanity->wheelbase * tractor->closest[AT_CURVATURE]);
-    const int32_t one = swings_update(&sanity->errors[0], now, tractor->lateral_error, sanity->swing);
-    const int32_t other = swings_update(&sanity->errors[1], now, trailer->lateral_error, sanity->swing);
-    const int32_t steering = swings_update(&sanity->steering, now, beside, sanity->steering_swing);
+    const int32_t one = swings_update(&sanity->errors[0], elapsed, tractor->lateral_error, sanity->swing);
+    const int32_t other = swings_update(&sanity->errors[1], elapsed, trailer->lateral_error, sanity->swing);
+    const int32_t steering = swings_update(&sanity->steering, elapsed, beside, sanity->steering_swing);
     const int32_t errors = one > other ? one : other;
 
+    *small = swings_update(&sanity->play, elapsed, beside, SMALL_SWING * sanity->steering_swing);
     return errors > steering ? errors : steering;
 }
 
 /* Update with half waves in a row; returns the part of the set speed that may be driven. The speed that oscillated first is tried
  * again once it is calm: it may have been the way onto the line, or delays that were not known yet. It stays low if it was not. */
-static inline double share_of_swings(struct component *sanity, int32_t swings, double speed, double elapsed)
+static inline double share_of_swings(struct component *sanity, int32_t swings, int32_t small, double speed, double elapsed)
 {
-    const int begins = swings >= sanity->swings_slow && !sanity->swinging;
+    const int large = swings >= sanity->swings_slow, swinging = large || small >= SMALL_SWINGS * sanity->swings_slow;
+    const int begins = swinging && !sanity->swinging;
     double share = 1.0;
 
-    sanity->swinging = swings >= sanity->swings_slow;
+    sanity->swinging = swinging;
     sanity->oscillations += begins;
-    sanity->slowing += begins;
-    sanity->calm = swings > 0 ? 0.0 : fabs(speed) >= SWING_SPEED ? sanity->calm + elapsed : sanity->calm;
+    sanity->slowing += begins && sanity->slowing < (large ? MOST_SPELLS : 1);
+    sanity->calm = swings > 0 || swinging ? 0.0 : fabs(speed) >= SWING_SPEED ? sanity->calm + elapsed : sanity->calm;
     if (sanity->oscillations == 1 && sanity->calm > sanity->swing_calm)
         sanity->slowing = 0;
     for (int32_t i = 0; i < sanity->slowing; ++i)
@@ -90,9 +93,10 @@ int UNIT(judge)(struct component *sanity, const struct drawbar_measurement *repo
     const int backwards = positions_move_backwards(positions, measurement, fixes, estimate);
     const int jumped = positions_have_jumped(positions, measurement->time, fixes, estimate);
     const int contradiction = hitch_judge(&sanity->hitch, reported->hitch_angle, measurement, estimate, departure, elapsed);
-    const int32_t swings = swings_of(sanity, estimate, tractor, trailer);
+    int32_t small;
+    const int32_t swings = swings_of(sanity, estimate, tractor, trailer, elapsed, &small);
 
-    *share = share_of_swings(sanity, swings, estimate->speed, elapsed);
+    *share = share_of_swings(sanity, swings, small, estimate->speed, elapsed);
     *share *= coarse > sanity->coarse_after ? sanity->coarse_share : 1.0;
     if (backwards)
         return DRAWBAR_BACKWARDS;
@@ -102,7 +106,8 @@ int UNIT(judge)(struct component *sanity, const struct drawbar_measurement *repo
         return contradiction;
     if (coarse > sanity->coarse_budget)
         return DRAWBAR_COARSE;
-    return swings >= sanity->swings_stop || sanity->oscillations > MOST_SPELLS ? DRAWBAR_OSCILLATION : 0;
+    return swings >= sanity->swings_stop || (sanity->oscillations > MOST_SPELLS && swings >= sanity->swings_slow)
+        ? DRAWBAR_OSCILLATION : 0;
 }
 
 #endif

@@ -43,7 +43,7 @@ class SanitySettings(Settings):
     swing: Positive = 0.15
     """error to both sides in turn that is an oscillation, m"""
     steering_swing: PositiveAngle = 0.2
-    """the same of the front wheels about the path's curvature, rad"""
+    """the same of the front wheels about the path's curvature, rad; half of it slows, for twice as many half waves"""
     swing_share: Share = 0.5
     """factor on the speed, each time that it begins to oscillate"""
     swing_calm: Positive = 30.0

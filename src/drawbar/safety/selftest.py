@@ -3,8 +3,8 @@
 import math
 from dataclasses import replace
 
-from drawbar.message_records import Flaw, decode, encode
 from drawbar.messages import CommandMessage, Mode
+from drawbar.messages.records import Flaw, decode, encode
 from drawbar.safety.envelope import Bounds, Envelope
 from drawbar.safety.settings import SafetySettings
 

@@ -10,28 +10,26 @@
 
 #include <math.h>
 #include <stdint.h>
-#include "geometry.h"
+#include <string.h>
 
 #define LONGEST_SWING 8.0                  /* s */
 #define STILL_SWINGING 0.7                 /* least share of a peak before it */
 
 struct swings {
     double peak, before, earlier;          /* of this half wave, so far, and of the two before; 0: there was none */
-    time_stamp since;                      /* when this half wave began */
+    double lasted;                         /* this half wave, s */
     int32_t side;                          /* 1: it is to the left, -1: to the right, 0: none yet */
     int32_t count;                         /* half waves in a row that count */
 };
 
-/* Update with the signal at a time (s); returns the number of consecutive half waves that are swings. */
-static inline int32_t swings_update(struct swings *swings, double time, double signal, double threshold)
+/* Update with the signal after an elapsed time (s); returns the number of consecutive half waves that are swings. */
+static inline int32_t swings_update(struct swings *swings, double elapsed, double signal, double threshold)
 {
     const int32_t side = signal > 0.5 * threshold ? 1 : signal < -0.5 * threshold ? -1 : 0;
 
-    if (!isfinite(signal) || time - swings->since > LONGEST_SWING) {
-        swings->count = swings->side = 0;
-        swings->peak = swings->before = swings->earlier = 0.0;
-        swings->since = time;
-    }
+    swings->lasted += elapsed;
+    if (!isfinite(signal) || swings->lasted > LONGEST_SWING)
+        memset(swings, 0, sizeof *swings);
     if (side != 0 && side != swings->side) {
         const double last = swings->earlier > 0.0 ? fmin(swings->before, swings->earlier) : swings->before;
         const double size = fmax(swings->peak, 0.5 * (swings->peak + swings->before));
@@ -39,8 +37,7 @@ static inline int32_t swings_update(struct swings *swings, double time, double s
         swings->count = counts ? swings->count + 1 : 0;
         swings->earlier = swings->before;
         swings->before = swings->peak;
-        swings->peak = 0.0;
-        swings->since = time;
+        swings->peak = swings->lasted = 0.0;
         swings->side = side;
     }
     if (swings->side != 0)

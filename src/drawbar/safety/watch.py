@@ -147,6 +147,7 @@ class Watch:
             "rejected": Cause.POSITION_REJECTED.value in state.notices,
             "far_apart": Cause.ANTENNA_DISTANCE.value in state.notices,
             "mirrored": Cause.STEERING_MIRRORED.value in state.notices,
+            "turns_otherwise": Cause.STEERING_CONTRADICTS.value in state.notices,
             # while it stops, the gate may have limited what the controller commanded
             "not_following": state.status == Status.STEERING and supervisor is not SupervisorState.STOPPING,
             "wiggled": state.wiggled == 1,

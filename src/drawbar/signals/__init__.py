@@ -1,8 +1,8 @@
 """Signals: what flows through one control step: frozen, timestamped, SI units, ENU, counter-clockwise.
 
-Each signal is declared once, in this folder, and each status in `statuses.py`: `exchange.py` prints the C structures,
-enumerations and texts from these declarations (`drawbar_signals.h`, `signals.h`) and moves values between the two
-languages. All of them are imported from here.
+Each signal is declared once, in this folder, and each status in `statuses.py`: `c_headers.py` prints the C structures,
+enumerations and texts from these declarations (`drawbar_signals.h`, `signals.h`), `layout.py` moves values between the
+two languages. All signals are imported from here.
 """
 
 from drawbar.signals.inner import (

@@ -8,8 +8,8 @@ import numpy as np
 
 from drawbar.geometry import Floats
 from drawbar.signals.quantities import Array, Metres, Radians, Ratio
+from drawbar.signals.structs import as_struct
 from drawbar.statuses import SolverStatus
-from drawbar.structs import as_struct
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

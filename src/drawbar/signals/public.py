@@ -9,8 +9,8 @@ import math
 from dataclasses import dataclass
 
 from drawbar.signals.quantities import Metres, MetresPerSecond, Radians, RadiansPerSecond, Ratio, Seconds
+from drawbar.signals.structs import as_struct
 from drawbar.statuses import FixQuality, FixStatus, Flag, GateVerdict, GuidanceStatus, SolverStatus, Status
-from drawbar.structs import as_struct
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,8 +5,8 @@ from functools import partial
 
 from drawbar.signals.inner import BodySteering, Places, Plan
 from drawbar.signals.public import Actuation, Command, Estimate, Measurement, Pose
+from drawbar.signals.structs import as_struct
 from drawbar.statuses import Flag, GateVerdict, Status
-from drawbar.structs import as_struct
 
 
 @as_struct

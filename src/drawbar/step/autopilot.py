@@ -6,8 +6,8 @@ from typing import NamedTuple
 from drawbar.control.external import External
 from drawbar.errors import DrawbarError, PathError, demand, demand_number
 from drawbar.guidance.path import Path
-from drawbar.signal_layout import Layout
 from drawbar.signals import Command, Estimate, Measurement, Status, StepRecord, Truth
+from drawbar.signals.layout import Layout
 from drawbar.step.library import StepLibrary
 from drawbar.step.record import RecordReader
 

@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drawbar.errors import DrawbarError, SignalError
-from drawbar.signal_layout import Members, base_of, members_of, note_of
 from drawbar.signals import Array, Quantity, StepRecord
+from drawbar.signals.layout import Members, base_of, members_of, note_of
 
 _DEVIATIONS = 4
 """numbers for which there is room where fewer may be known: DEVIATIONS_RECORDED"""

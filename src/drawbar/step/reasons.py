@@ -14,6 +14,8 @@ from drawbar.step.build import ENDURANCE
 
 _SWAPPED = math.radians(120.0)
 """facing so far away from the path, a vehicle that drove along it may have its antennas swapped, rad"""
+_SIDE_SLIP = 4.5
+"""HITCH_SIDE_SLIP of hitch_watch.h, degrees"""
 _STUCK = 2
 """a doubt of lean_watch.h: the roll stands still"""
 
@@ -105,6 +107,12 @@ def _contradicted(record: StepRecord, autopilot: Autopilot) -> str:
     """Return which of the trailer's angles contradicts the motion: the one that is farther from its estimate."""
     names = {"hitch_angle": "hitch angle", "trailer_steering": "trailer's joint"}
     pairs = {name: [math.degrees(getattr(of, name)) for of in (record.measurement, record.estimate)] for name in names}
+    crabs = [math.degrees(angle) for angle in (record.estimate.tractor_crab, record.estimate.trailer_crab)]
+    if abs(crabs[0] - crabs[1]) > _SIDE_SLIP:
+        return (
+            f"by the measured angles of hitch and joint the tractor slides sideways by {crabs[0]:.1f}° and the "
+            f"trailer by {crabs[1]:.1f}°, which no ground does: one of both sensors drifts or is off, or a length is."
+        )
     stuck = _live(autopilot, "sanity", "hitch.stuck_time") > 0.0
     worst = "hitch_angle" if stuck else max(names, key=lambda name: abs(pairs[name][0] - pairs[name][1]))
     measured, found = pairs[worst]

@@ -9,8 +9,8 @@ from struct import Struct
 
 import numpy as np
 
-from drawbar.signal_layout import Layout
 from drawbar.signals import Command, Measurement, StepRecord, Truth
+from drawbar.signals.layout import Layout
 from drawbar.step.layout import StepLayout, made_of
 from drawbar.step.library import StepLibrary
 

@@ -1,6 +1,6 @@
 /* Status texts: one line for each status.
  *
- * Generated from signals/ and statuses.py by `python -m drawbar.exchange`; change them there. */
+ * Generated from signals/ and statuses.py by `python -m drawbar.signals.c_headers`; change them there. */
 #ifndef DRAWBAR_STATUS_TEXT_H
 #define DRAWBAR_STATUS_TEXT_H
 

@@ -32,7 +32,8 @@ def step(
 ):
     estimate = SimpleNamespace(
         hitch_angle=hitch, trailer_steering=joint, tractor_fix=fixes[0], trailer_fix=fixes[1], status=status,
-        tractor=SimpleNamespace(x=tractor[0], y=tractor[1]), trailer=SimpleNamespace(x=trailer[0], y=trailer[1]),
+        tractor=SimpleNamespace(x=tractor[0], y=tractor[1], yaw=0.0),
+        trailer=SimpleNamespace(x=trailer[0], y=trailer[1]),
         longitudinal_slip=1.0, tractor_slip=1.0, steering_offset=0.0, tractor_crab=0.0, trailer_crab=0.0,
     )  # fmt: skip
     angle = 0.1 + 1e-9 * (next(FINE) % 7) if measured_hitch is None else measured_hitch

@@ -141,29 +141,17 @@ def reported(rehearsal):
     return [BY_CODE[code] for code in rehearsal.loop._controller._faults.notices if code]
 
 
-def test_a_slow_drive_with_it_is_stopped_and_named():
-    """The position is lost or the hitch angle contradicts before the turns say it."""
-    rehearsal, path = mirrored_rehearsal(0.5)
-    while Cause.STEERING_MIRRORED not in reported(rehearsal):
-        rehearsal.advance()
-        assert rehearsal.time < 30.0
-    list(rehearsal.run(5.0))
-    assert rehearsal.gate_state.state in (SupervisorState.STOPPED, SupervisorState.FAULT)
-    truth = rehearsal.machine.world.truth.tractor
-    assert abs(path.project(truth.x, truth.y, 0.0, 20.0)[1]) < 0.5
-    assert Cause.STEERING_MIRRORED.value in rehearsal.gate_state.refusals
-
-
-@pytest.mark.parametrize("speed", [1.0, 2.0])
+@pytest.mark.parametrize("speed", [0.5, 1.0, 2.0])
 def test_a_drive_with_it_is_released_and_says_why(speed):
+    """That the tractor does not turn as its wheels are measured may show before it is clear that they are mirrored."""
     rehearsal, path = mirrored_rehearsal(speed)
     while rehearsal.gate_state is None or rehearsal.gate_state.state is not SupervisorState.FAULT:
         rehearsal.advance()
         assert rehearsal.time < 30.0
-    assert BY_CODE[rehearsal.gate_state.cause] is Cause.STEERING_MIRRORED
+    assert BY_CODE[rehearsal.gate_state.cause] in (Cause.STEERING_CONTRADICTS, Cause.STEERING_MIRRORED)
     truth = rehearsal.machine.world.truth.tractor
-    assert abs(path.project(truth.x, truth.y, 0.0, 20.0)[1]) < 0.5
-    assert Cause.STEERING_MIRRORED in reported(rehearsal)
-    assert Cause.TRAILER_CONTRADICTS not in reported(rehearsal)
+    assert abs(path.project(truth.x, truth.y, 0.0, 20.0)[1]) < 0.25
     list(rehearsal.run(5.0))
-    assert Cause.STEERING_MIRRORED.value in rehearsal.gate_state.refusals
+    assert (Cause.STEERING_MIRRORED in reported(rehearsal)) == (speed >= 1.0)  # slower it does not turn far enough
+    assert Cause.TRAILER_CONTRADICTS not in reported(rehearsal)
+    assert rehearsal.gate_state.cause in rehearsal.gate_state.refusals

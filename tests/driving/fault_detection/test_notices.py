@@ -18,7 +18,7 @@ from drawbar.safety.causes import BY_CODE, Cause
 from drawbar.signals import FixStatus
 from drawbar.simulation import build_path
 
-NOTHING = SimpleNamespace(excludes_positions=False, excludes_trailer=False)
+NOTHING = SimpleNamespace(excludes_positions=False, excludes_trailer=False, steering_contradicts=False)
 ALL_RIGHT = {"drifts": False, "mirrored": False, "far_apart": False}
 ACCEPTED, REJECTED = FixStatus.ACCEPTED, FixStatus.REJECTED
 
@@ -103,7 +103,7 @@ def test_one_antenna_that_is_not_believed_three_times_is_reported(told, fixes):
 
 
 def test_what_is_excluded_is_reported(told):
-    both = SimpleNamespace(excludes_positions=True, excludes_trailer=True)
+    both = SimpleNamespace(excludes_positions=True, excludes_trailer=True, steering_contradicts=False)
     assert told.step(exclusion=both) == [Cause.POSITIONS_JUMPED, Cause.TRAILER_CONTRADICTS]
     assert told.step(exclusion=both, drifts=True) == [Cause.POSITIONS_DRIFT]
     told.gate(SupervisorState.STOPPING)
@@ -135,7 +135,7 @@ def test_a_late_yaw_is_believed_in_a_turn_and_a_wrong_one_is_not(told, reported,
 
 
 def test_what_has_been_told_stays_until_the_stop_is_acknowledged(told):
-    trailer = SimpleNamespace(excludes_positions=False, excludes_trailer=True)
+    trailer = SimpleNamespace(excludes_positions=False, excludes_trailer=True, steering_contradicts=False)
     told.gate(SupervisorState.ACTIVE)
     assert told.step(exclusion=trailer) == [Cause.TRAILER_CONTRADICTS]
     told.gate(SupervisorState.STOPPED)
@@ -145,7 +145,7 @@ def test_what_has_been_told_stays_until_the_stop_is_acknowledged(told):
 
 
 def test_mirrored_front_wheels_are_reported_instead_of_the_trailers_angles(told):
-    trailer = SimpleNamespace(excludes_positions=False, excludes_trailer=True)
+    trailer = SimpleNamespace(excludes_positions=False, excludes_trailer=True, steering_contradicts=False)
     told.gate(SupervisorState.ACTIVE)
     assert told.step(exclusion=trailer) == [Cause.TRAILER_CONTRADICTS]
     assert told.step(exclusion=trailer, mirrored=True) == [Cause.STEERING_MIRRORED]

@@ -9,6 +9,7 @@ import pytest
 
 from drawbar.driving.fault_detection.reversed_hitch_sensor import ReversedHitchSensor
 from drawbar.driving.fault_detection.simulated_hitch_angle import SimulatedHitchAngle
+from drawbar.signals import SolverStatus
 from drawbar.vehicle.parameters import VehicleParameters
 
 DEGREE = math.pi / 180.0
@@ -30,8 +31,9 @@ def seen(sensor: Sensor, *, steering: float = 6.0 * DEGREE, sample_time: float =
     detector, rng = ReversedHitchSensor(sample_time), np.random.default_rng(4)
     simulation = SimulatedHitchAngle(VEHICLE, sample_time)
     slips = SimpleNamespace(
-        longitudinal_slip=1.0, tractor_slip=1.0, steering_offset=0.0, tractor_crab=0.0, trailer_crab=0.0
-    )
+        longitudinal_slip=1.0, tractor_slip=1.0, steering_offset=0.0, tractor_crab=0.0, trailer_crab=0.0,
+        status=SolverStatus.SOLVED,
+    )  # fmt: skip
     true = steady(steering) if steering else 0.0
     for k in range(round(40.0 / sample_time)):
         time = k * sample_time

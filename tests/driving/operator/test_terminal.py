@@ -16,8 +16,8 @@ from drawbar.driving.operator.display import KEYS, picture, refusals
 from drawbar.driving.operator.front_end import REFUSED, FrontEnd, Keyboard
 from drawbar.driving.operator.requests import changed_speed
 from drawbar.driving.operator.terminal import Terminal
-from drawbar.message_records import decode, encode
 from drawbar.messages import OperatorMessage, SupervisorState
+from drawbar.messages.records import decode, encode
 from drawbar.safety.causes import Cause
 from drawbar.safety.conditions import Observation, present
 from drawbar.safety.settings import SafetySettings

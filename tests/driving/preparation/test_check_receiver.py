@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from isobus_devices import isobus_devices
 from pyubx2 import GET, POLL, UBXMessage
+from receiver_frames import nmea, sbf, ubx
 
 from drawbar.driving.preparation import check, check_receiver
 from drawbar.driving.preparation import finding as finding_module
@@ -21,7 +22,6 @@ from drawbar.machine.hardware.corrections.settings import CorrectionsSettings
 from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.hardware.receiver import ReceiverSettings
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
-from drawbar.machine.stand_in import nmea, sbf, ubx
 from drawbar.machine.stand_in.machine import HITCH_ANGLES, HITCH_COUNTS
 from drawbar.machine.stand_in.receiver import Report
 from drawbar.protocols.own_sentence import own_sentence

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from receiver_frames import nmea
 
 from drawbar.config import load_configuration
 from drawbar.driving.preparation import nearest_line
@@ -16,7 +17,6 @@ from drawbar.driving.stand_in.memory_transports import MemoryTransport
 from drawbar.errors import ConfigurationError, PathError
 from drawbar.geometry import LocalFrame
 from drawbar.guidance.importers.load import line_names
-from drawbar.machine.stand_in import nmea
 from drawbar.machine.stand_in.receiver import Report
 
 ORIGIN = LocalFrame(latitude=50.87, longitude=4.7)

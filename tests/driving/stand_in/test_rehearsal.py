@@ -17,8 +17,8 @@ from drawbar.machine.hardware.receiver import ReceiverSettings
 from drawbar.machine.stand_in.breaking import moved, report_otherwise
 from drawbar.machine.stand_in.faults import FAULTS
 from drawbar.machine.stand_in.machine import BODIES
-from drawbar.message_records import decode
 from drawbar.messages import Action, ControllerState, SupervisorState
+from drawbar.messages.records import decode
 from drawbar.protocols.gnss.settings import AntennaSettings
 from drawbar.safety.causes import Cause
 from drawbar.signals import FixQuality, Flag

@@ -18,8 +18,8 @@ from drawbar.codegen.compiler import FLAGS, find_compiler
 from drawbar.experiment.alteration import InterceptedMachine
 from drawbar.export.targets import Precision
 from drawbar.geometry import Floats
-from drawbar.signal_layout import Layout
 from drawbar.signals import Measurement, StepRecord
+from drawbar.signals.layout import Layout
 from drawbar.simulation import Simulation
 
 HERE = FilePath(__file__).parent

@@ -33,7 +33,7 @@ def test_a_recorded_line_is_read_whole_and_ends_where_it_was_recorded(recorded_l
     folder, track = recorded_line
     line = load_line(folder, track)
     count, last = ENDS[track]
-    assert (line.name, len(line.x), line.repeated) == (track, count, 0)
+    assert (line.name, len(line.x)) == (track, count)
     assert (line.x[-1], line.y[-1]) == pytest.approx(last, abs=0.01)  # AgOpenGPS's plane is that far off at 300 m
     same = load_line(folder / "TrackLines.txt", track)
     np.testing.assert_array_equal(line.x, same.x)
@@ -94,10 +94,11 @@ def test_an_ab_line_is_continued_beyond_b(tmp_path: Path) -> None:
     np.testing.assert_allclose(line.y, [2.0, 2.0], atol=2e-3)
 
 
-def test_repeated_points_are_dropped_and_counted(tmp_path: Path) -> None:
+def test_repeated_points_are_dropped_and_counted(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     rows = [*CURVE[:7], "4", *CURVE[8:], CURVE[-1]]
     line = load_line(field(tmp_path, *rows), None)
-    assert (len(line.x), line.repeated) == (3, 1)
+    assert len(line.x) == 3
+    assert "dropped 1 repeated point(s)" in caplog.text
 
 
 def changed(index: int, text: str) -> list[str]:

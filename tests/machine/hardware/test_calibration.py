@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from drawbar.benchmark.simulated_actuators import SimulatedValve
 from drawbar.machine.hardware.calibrated import Calibrated
 from drawbar.machine.hardware.calibration import (
     CalibratedMachine,
@@ -19,7 +20,6 @@ from drawbar.machine.hardware.calibration import (
 from drawbar.machine.hardware.calibration_plans import DeadBandPlan, RatePlan
 from drawbar.machine.hardware.valve_calibration import actuator_dynamics, dead_band
 from drawbar.machine.low_level.settings import ValveSettings
-from drawbar.machine.low_level.simulated import SimulatedValve
 
 PERIOD = 0.02
 STEP = math.radians(0.02)
@@ -270,5 +270,5 @@ def test_dead_bands_that_disagree_or_are_too_few_are_refused() -> None:
     ],
 )
 def test_a_number_is_reported_as_far_as_it_is_known(value: float, deviation: float, told: str) -> None:
-    found = Calibrated(value=value, deviation=deviation, residual=0.0, samples=1, unit="", residual_unit="")
+    found = Calibrated(value=value, deviation=deviation, unit="")
     assert found.text == told

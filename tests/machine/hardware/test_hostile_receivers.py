@@ -11,6 +11,7 @@ from dataclasses import fields, replace
 from itertools import pairwise
 
 import pytest
+from receiver_frames import nmea, sbf, ubx
 from receiver_lines import (
     BEGINS,
     CLEAN,
@@ -34,9 +35,8 @@ from drawbar.geometry import LocalFrame
 from drawbar.machine.hardware.navigation import Navigation
 from drawbar.machine.hardware.receiver import Receiver, ReceiverSettings
 from drawbar.machine.hardware.sampler import Sampler
-from drawbar.machine.stand_in import nmea, sbf, ubx
-from drawbar.message_records import decode, encode
 from drawbar.messages import Fixes
+from drawbar.messages.records import decode, encode
 from drawbar.signals import FixQuality
 
 LINES = int(os.environ.get("DRAWBAR_FUZZ_LINES", "10"))

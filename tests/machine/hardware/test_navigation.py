@@ -7,6 +7,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 import pytest
+from receiver_frames import nmea, sbf, ubx
 
 from drawbar.config import load_configuration
 from drawbar.driving.stand_in.memory_transports import MemoryBus, MemoryTransport
@@ -17,14 +18,13 @@ from drawbar.machine.hardware.navigation import Navigation
 from drawbar.machine.hardware.receiver import Receiver, ReceiverSettings
 from drawbar.machine.hardware.sampler import Sampler
 from drawbar.machine.hardware.sensor_line import SensorLine
-from drawbar.machine.stand_in import nmea, sbf, ubx
 from drawbar.machine.stand_in.faults import FAULTS
 from drawbar.machine.stand_in.machine import BODIES, StandInMachine
 from drawbar.machine.stand_in.nmea2000 import nmea2000
 from drawbar.machine.stand_in.receiver import Encoder, Report
 from drawbar.machine.stand_in.world import TICK, World
-from drawbar.message_records import decode, encode
 from drawbar.messages import Fixes
+from drawbar.messages.records import decode, encode
 from drawbar.protocols.sensor_board import SensorReport
 from drawbar.signals import Command, FixQuality, Measurement, Pose, Truth
 from drawbar.simulation import build_path
@@ -82,11 +82,11 @@ class Board(SensorLine):
     """A sensor board that reports every 20 ms what it is told to."""
 
     def __init__(self) -> None:
-        self.now, self.last = 0.0, SensorReport(time=-math.inf)
+        self.now, self.last = 0.0, SensorReport(time=-math.inf, received=-math.inf)
 
     def poll(self) -> None:
         if self.now - self.last.time >= 0.02:
-            self.last = SensorReport(time=self.now, hitch_angle=0.1, wheel_speed=1.5)
+            self.last = SensorReport(time=self.now, received=self.now, hitch_angle=0.1, wheel_speed=1.5)
 
 
 def measured(

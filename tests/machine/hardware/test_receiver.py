@@ -5,10 +5,10 @@ import math
 
 import pytest
 from pydantic import ValidationError
+from receiver_frames import nmea
 
 from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.hardware.receiver import Receiver, ReceiverSettings
-from drawbar.machine.stand_in import nmea
 from drawbar.machine.stand_in.receiver import Report
 from drawbar.transports.base import Received, Transport
 

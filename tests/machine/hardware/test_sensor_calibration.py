@@ -47,7 +47,7 @@ def test_a_zero_from_a_curve_or_from_too_short_a_way_is_refused() -> None:
     assert zero_from_straight(times, counts, rates, speeds).value == pytest.approx(2013.0, abs=3.0)
 
 
-ZERO = Calibrated(value=2013.0, deviation=1.0, residual=1.0, samples=30, unit="counts", residual_unit="counts")
+ZERO = Calibrated(value=2013.0, deviation=1.0, unit="counts")
 
 
 def circle(angle: float, *, cubic: float = 0.0, ratio: float = 1.0, seed: int = 0, seconds: float = 12.0) -> Circle:

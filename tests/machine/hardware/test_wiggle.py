@@ -6,10 +6,10 @@ import re
 import numpy as np
 import pytest
 
+from drawbar.benchmark.simulated_actuators import SimulatedValve
 from drawbar.machine.hardware.wiggle_judgement import Wiggle, wiggle_command, wiggle_test
 from drawbar.machine.low_level.low_level import ActuateInput, LowLevel, SteeringAxis, TableSensor
 from drawbar.machine.low_level.settings import PositionLoopSettings, ValveSettings
-from drawbar.machine.low_level.simulated import SimulatedValve
 
 SENSOR = TableSensor(counts=(-1e4, 1e4), values=(-1.0, 1.0), lowest=-9e3, highest=9e3)
 

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from receiver_frames import nmea, sbf, ubx
 
 from drawbar.errors import HardwareError
 from drawbar.geometry import LocalFrame
-from drawbar.machine.stand_in import nmea, sbf, ubx
 from drawbar.machine.stand_in.receiver import Report
 from drawbar.protocols.gnss.epoch import Epoch
 from drawbar.protocols.gnss.settings import EpochSettings

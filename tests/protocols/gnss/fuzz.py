@@ -11,8 +11,8 @@ import time
 from collections import Counter
 
 from hostile_frames import altered, broken, corpus
+from receiver_frames import nmea
 
-from drawbar.machine.stand_in import nmea
 from drawbar.protocols.gnss.assembly import Assembler
 from drawbar.protocols.gnss.decoding import Decoder
 from drawbar.protocols.gnss.framing import Framer

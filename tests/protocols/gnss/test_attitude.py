@@ -6,8 +6,8 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
+from receiver_frames import nmea, sbf, ubx
 
-from drawbar.machine.stand_in import nmea, sbf, ubx
 from drawbar.machine.stand_in.receiver import Report
 from drawbar.protocols.gnss.epoch import Epoch
 from drawbar.protocols.gnss.settings import AntennaSettings, EpochSettings

@@ -7,9 +7,9 @@ from dataclasses import asdict
 from typing import Any
 
 import pytest
+from receiver_frames.ubx import frame
 
 from drawbar.machine.stand_in.nmea import sentence
-from drawbar.machine.stand_in.ubx import frame
 from drawbar.protocols.gnss.checksums import crc_ccitt
 from drawbar.protocols.gnss.decoding import Decoder
 from drawbar.protocols.gnss.framing import Framer

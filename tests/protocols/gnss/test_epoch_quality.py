@@ -5,8 +5,8 @@ from collections.abc import Callable
 
 import pytest
 from epoch_bursts import run
+from receiver_frames import nmea, ubx
 
-from drawbar.machine.stand_in import nmea, ubx
 from drawbar.machine.stand_in.receiver import Report
 from drawbar.protocols.gnss.settings import EpochSettings
 from drawbar.protocols.gnss.stream import EpochStream

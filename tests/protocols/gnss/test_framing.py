@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from receiver_frames import nmea, ubx
 
-from drawbar.machine.stand_in import nmea, ubx
 from drawbar.protocols.crc24q import crc24q
 from drawbar.protocols.gnss.checksums import crc_ccitt
 from drawbar.protocols.gnss.framing import LONGEST_NMEA, LONGEST_SBF, LONGEST_UBX, Frame, Framer, Protocol

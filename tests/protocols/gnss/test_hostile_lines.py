@@ -10,6 +10,7 @@ from itertools import pairwise
 
 import pytest
 from hostile_frames import altered, corpus
+from receiver_frames import nmea
 from receiver_lines import (
     BEGINS,
     DELAY,
@@ -25,7 +26,6 @@ from receiver_lines import (
     line,
 )
 
-from drawbar.machine.stand_in import nmea
 from drawbar.protocols.gnss.decoding import Decoder
 from drawbar.protocols.gnss.epoch import Epoch
 from drawbar.protocols.gnss.framing import Framer, Protocol

@@ -5,8 +5,8 @@ import random
 from dataclasses import replace
 
 import pytest
+from receiver_frames import nmea, sbf
 
-from drawbar.machine.stand_in import nmea, sbf
 from drawbar.protocols.gnss.checks import resolution
 from drawbar.protocols.gnss.epoch import Epoch
 from drawbar.protocols.gnss.pairing import Body, Pair, Pairing

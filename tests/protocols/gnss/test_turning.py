@@ -5,8 +5,8 @@ import struct
 from collections.abc import Callable
 
 import pytest
+from receiver_frames import nmea, sbf
 
-from drawbar.machine.stand_in import nmea, sbf
 from drawbar.machine.stand_in.receiver import Report
 from drawbar.protocols.gnss.checksums import crc_ccitt
 from drawbar.protocols.gnss.epoch import Epoch

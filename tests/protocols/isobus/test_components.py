@@ -13,7 +13,6 @@ from drawbar.errors import ConfigurationError
 from drawbar.protocols.isobus.address import CLAIM, AddressClaim
 from drawbar.protocols.isobus.cadence import Cadence
 from drawbar.protocols.isobus.curvature import CurvatureMap, TableCurvature, WheelbaseCurvature
-from drawbar.protocols.isobus.facilities import Facilities, FacilityChange
 from drawbar.protocols.isobus.heartbeat import HEARTBEAT, REPETITION_RATE, Heartbeat
 from drawbar.protocols.isobus.identifier import Message, decode, encode
 from drawbar.protocols.isobus.name import Name
@@ -137,20 +136,15 @@ def test_tractor_keeps_each_reading_with_its_time() -> None:
     assert tractor.speed("ground speed").time == -math.inf
 
 
-def test_tractor_reports_what_is_lost_and_comes_back() -> None:
+def test_a_facility_is_lost_without_its_message_and_comes_back_with_it() -> None:
     tractor = Tractor()
     data = encode_speed(WheelOrGroundSpeed(speed=1.0, distance=0.0))
-    for time in (0.0, 0.1, 0.2, 1.0):
+    assert tractor.reading("ground speed", 0.0) is None
+    for time, lost in ((0.2, 0.6), (1.0, 1.4)):
         tractor.receive_message(time, Message(pgn=GROUND_SPEED, source=0x80, data=data))
-    assert tractor.changes(1.0) == [
-        FacilityChange(name="ground speed", present=True, time=0.0),
-        FacilityChange(name="ground speed", present=False, time=0.2),
-        FacilityChange(name="ground speed", present=True, time=1.0),
-    ]
-    assert tractor.reading("ground speed", 1.2) is not None
-    assert tractor.changes(1.2) == []
-    assert tractor.reading("ground speed", 1.4) is None
-    assert [change.present for change in tractor.changes(1.4)] == [False]
+        assert tractor.reading("ground speed", time + 0.2) is not None
+        assert tractor.reading("wheel speed", time + 0.2) is None
+        assert tractor.reading("ground speed", lost) is None
 
 
 def test_a_second_sender_is_believed_only_after_the_first_is_silent() -> None:
@@ -171,15 +165,6 @@ def test_hitch_and_power_take_off() -> None:
     assert isinstance(shaft, PowerTakeOff)
     assert shaft.speed == pytest.approx(540.0 * 2.0 * math.pi / 60.0)
     assert math.isnan(shaft.set_point)
-
-
-def test_facility_changes_do_not_grow_for_ever() -> None:
-    facilities = Facilities("one")
-    for number in range(200):
-        facilities.received("one", float(number))
-    assert len(facilities.changes(200.0)) == 64
-    assert facilities.dropped["facility change"] == 400 - 64
-    assert facilities.losses == {"one": 200}
 
 
 def test_speed_command_waits_for_none_and_says_none_at_once() -> None:

@@ -6,7 +6,8 @@ both antennas have jumped, and the control step would end its run, and with it a
 The estimate first absorbs most of a wrong angle of hitch or joint in yaws and crab angles, and both bodies are steered
 beside the line. A residual of a few degrees remains in both angles, and a smaller one counts where an antenna is
 contradicted as well; a hitch sensor that is reversed (reversed_hitch_sensor.py) or repeats one angle while the estimate
-turns (stuck_hitch_sensor.py) is detected earlier. The control step tests the same residuals (safety/hitch_watch.h),
+turns (stuck_hitch_sensor.py) is detected earlier, and one that drifts by what wheels and joint lead to
+(contradicting_angles.py). The control step tests the same residuals (safety/hitch_watch.h),
 but waits longer: it can only end the run. The numbers of both are held together by tests/test_shared_numbers.py.
 The corrupted samples are computed again without the sensor (rollback.py). Which of the two angles is wrong is not
 observable, so all measurements of the trailer are left out: the tractor keeps to the line by its own antenna, and the
@@ -19,10 +20,12 @@ from dataclasses import replace
 from statistics import fmean
 
 from drawbar.driving.fault_detection.confirmation import CONFIRMED
+from drawbar.driving.fault_detection.contradicting_angles import ContradictingAngles, Contradiction
 from drawbar.driving.fault_detection.reversed_hitch_sensor import ReversedHitchSensor
 from drawbar.driving.fault_detection.running_rms import MOVES, RunningRms
 from drawbar.driving.fault_detection.simulated_hitch_angle import SimulatedHitchAngle
 from drawbar.driving.fault_detection.stuck_hitch_sensor import StuckHitchSensor
+from drawbar.driving.fault_detection.turning_error import TurningError
 from drawbar.safety.sanity import SanitySettings
 from drawbar.signals import FixStatus, Measurement, Pose, SolverStatus, StepRecord
 from drawbar.vehicle.parameters import VehicleParameters
@@ -73,6 +76,9 @@ class FaultExclusion:
         self._simulated = SimulatedHitchAngle(vehicle, sample_time)
         self._reversed = ReversedHitchSensor(sample_time)
         self._stuck = StuckHitchSensor(settings.hitch)
+        self._angles, self._turning = ContradictingAngles(sample_time), TurningError(vehicle.wheelbase, sample_time)
+        self.steering_contradicts = False
+        """the tractor does not turn as its front wheels are measured"""
         count = max(round(_MEAN_TIME / sample_time), CONFIRMED)
         self._residuals = deque[tuple[float, float]](maxlen=count)
         self._rms = RunningRms(sample_time, prior=_PRIOR, prior_time=_PRIOR_TIME)  # of their norm, rad
@@ -105,6 +111,10 @@ class FaultExclusion:
         contradicted = self._angles_share(moves=moves) > limit
         measured, simulated = record.measurement.hitch_angle, self._simulated.update(record)
         contradicted |= self._reversed.update(measured, simulated)
+        contradiction = self._angles.update(measured, simulated, self._turning.update(record))
+        wrong_wheels = contradiction is Contradiction.FRONT_WHEELS or self._turning.is_large
+        self.steering_contradicts = wrong_wheels and not self.excludes_trailer  # by which the estimated yaw changes
+        contradicted |= contradiction is Contradiction.TRAILER
         contradicted |= self._stuck.update(measured, record.estimate.hitch_angle, simulated, moves=moves)
         if not (engaged and self.excludes_trailer):
             self._trailer = CONFIRMED if contradicted else self._trailer + 1 if abs(hitch) > self._hitch_limit else 0

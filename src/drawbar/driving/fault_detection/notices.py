@@ -164,6 +164,8 @@ class Notices:
             yield Cause.POSITION_REJECTED
         if exclusion.excludes_trailer and not drifts:  # an estimate that has followed positions contradicts it, too
             yield Cause.TRAILER_CONTRADICTS
+        if exclusion.steering_contradicts:
+            yield Cause.STEERING_CONTRADICTS
         if self._rejections.yaw.is_confirmed or self._number("yaw_rate.exclusion") > 0.0:
             yield Cause.YAW_REJECTED
 

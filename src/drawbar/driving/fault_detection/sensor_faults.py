@@ -72,7 +72,8 @@ class SensorFaults:
         forwards = not self._swapped.found  # backwards it turns the other way
         angle = self._gate.tractor_angle if self._gate and forwards else math.nan
         lost = self._gate is not None and self._gate.cause == Cause.POSITION_LOST.value
-        self._mirrored.receive_fixes(fixes, angle, suspected=lost or hitch_contradicts)
+        suspected = lost or hitch_contradicts or self.exclusion.steering_contradicts
+        self._mirrored.receive_fixes(fixes, angle, suspected=suspected)
 
     def without_faults(self, measurement: Measurement) -> Measurement:
         """Return a measurement without what is excluded, with positions by dead reckoning where they drift."""

@@ -1,6 +1,6 @@
 """Datagrams that the processes of a drive send to its recorder or console, each with its kind in front.
 
-Records of `message_records.py` go as they are; they begin with their own mark. All times are monotonic, ns.
+Records of `messages/records.py` go as they are; they begin with their own mark. All times are monotonic, ns.
 """
 
 import struct

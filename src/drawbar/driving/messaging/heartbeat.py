@@ -1,8 +1,8 @@
 """Heartbeat of a process: it shows the gate that it is alive, at 4 Hz."""
 
 from drawbar.driving.messaging.endpoint import Endpoint
-from drawbar.message_records import encode
 from drawbar.messages import Heartbeat, Role, SupervisorState
+from drawbar.messages.records import encode
 
 PERIOD = 250_000_000
 """ns"""

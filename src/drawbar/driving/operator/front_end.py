@@ -14,8 +14,8 @@ from drawbar.driving.messaging.endpoint import Endpoint
 from drawbar.driving.messaging.process_options import FRONT_END
 from drawbar.driving.operator.requests import DemonstrationOperator, Operator, changed_speed, gate_sender
 from drawbar.driving.processes.drive_processes import DriveProcesses
-from drawbar.message_records import decode
 from drawbar.messages import Action, ControllerState, GateState, SupervisorState
+from drawbar.messages.records import decode
 from drawbar.safety.causes import BY_CODE, Cause
 
 REFUSED = 15_000_000_000

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator
 
 from drawbar.driving.messaging.endpoint import Endpoint
 from drawbar.driving.messaging.process_options import GATE, RECORDER, ProcessOptions
-from drawbar.message_records import encode
 from drawbar.messages import Action, GateState, OperatorMessage, SupervisorState
+from drawbar.messages.records import encode
 
 _VALID = 500_000_000
 """for how long a message means something, ns"""

@@ -161,10 +161,7 @@ def _of_straights(drive: HandDrive, quantity: Callable[[HandDrive], Floats], *, 
     return Calibrated(
         value=float(values.mean()) if len(values) else math.nan,
         deviation=spread / math.sqrt(max(len(values), 1)),
-        residual=spread,
-        samples=len(values),
         unit=unit,
-        residual_unit=unit,
         refusals=tuple(refusals),
     )
 

@@ -19,7 +19,7 @@ from drawbar.machine.hardware.calibrated import Calibrated, linear_fit
 from drawbar.machine.hardware.calibration import CalibratedMachine, Calibration, CalibrationLimits, Sensed, carry_out
 from drawbar.machine.hardware.calibration_plans import DeadBandPlan, RatePlan
 from drawbar.machine.hardware.receiver import Receiver, ReceiverSettings
-from drawbar.machine.hardware.valve_calibration import RUNS, actuator_dynamics, dead_band
+from drawbar.machine.hardware.valve_calibration import actuator_dynamics, dead_band
 from drawbar.transports.open import open_transport
 
 PUSHES = 5
@@ -176,10 +176,7 @@ def _sure(direction: int) -> Calibrated:
     return Calibrated(
         value=float(direction),
         deviation=0.0,
-        residual=0.0,
-        samples=2 * RUNS,
         unit="(1: positive turns left, -1: right)",
-        residual_unit="",
     )
 
 
@@ -196,10 +193,7 @@ def _sensor(settings: BareValveSettings, rests: Sequence[tuple[float, float]]) -
     value = Calibrated(
         value=factor,
         deviation=deviation,
-        residual=fit.residual,
-        samples=len(angles),
         unit="",
-        residual_unit="rad",
         refusals=tuple(refusals),
     )
     scaled = [round(factor * angle, 6) for angle in settings.angles]

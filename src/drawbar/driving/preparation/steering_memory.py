@@ -67,10 +67,7 @@ def steering_memory(configuration: Configuration, records: Sequence[StepRecord])
             value = Calibrated(
                 value=values[0],
                 deviation=deviations[0],
-                residual=abs(values[2] - values[1]),
-                samples=round(seconds / configuration.actuation.repeats / configuration.sample_time),
                 unit=unit,
-                residual_unit=unit,
                 refusals=(*refusals, *_doubts(quantity, values, deviations)),
             )
             key = f"actuation.remembered.{body}.{quantity}"

@@ -10,8 +10,8 @@ from collections.abc import Callable, Sequence
 
 from drawbar.driving.messaging.datagrams import PackedStep
 from drawbar.errors import DrawbarError
-from drawbar.message_records import Flaw
 from drawbar.messages import Message
+from drawbar.messages.records import Flaw
 from drawbar.realtime import say
 from drawbar.recording.drive_log import DriveLog
 from drawbar.recording.drive_records import Order, RawBytes

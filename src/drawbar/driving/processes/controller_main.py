@@ -18,8 +18,8 @@ from drawbar.driving.messaging.process_options import CONSOLE, CONTROLLER, FRONT
 from drawbar.driving.preparation.wiggle_record import has_passed
 from drawbar.driving.processes.shutdown import ShutdownRequest, run_program
 from drawbar.machine.hardware.sampler import Sampler
-from drawbar.message_records import decode, encode
 from drawbar.messages import ControllerState, Fixes, GateState, Message, Role
+from drawbar.messages.records import decode, encode
 from drawbar.realtime import prepare, say
 from drawbar.recording.drive_records import Happening, Kind, Order
 from drawbar.signals import StepRecord

@@ -17,8 +17,8 @@ from drawbar.driving.messaging.heartbeat import HeartbeatSender
 from drawbar.driving.messaging.process_options import BOARDS, GATE, GUARD, GateOptions
 from drawbar.driving.messaging.socket_passing import SocketReceiver
 from drawbar.driving.processes.shutdown import ShutdownRequest, run_program
-from drawbar.message_records import decode
 from drawbar.messages import GateState, Role
+from drawbar.messages.records import decode
 from drawbar.protocols.agopengps.steering import SteerCommand
 from drawbar.realtime import prepare, say
 from drawbar.safety.settings import TimingSettings

@@ -3,15 +3,15 @@
 `python -m drawbar.driving.processes.receivers_main`, with its options on standard input.
 """
 
-import math
 import sys
 from collections.abc import Sequence
+from functools import partial
 from itertools import chain
 
 from drawbar.config import load_configuration
 from drawbar.driving.devices.path_frame import local_frame
 from drawbar.driving.devices.receiver_transports import open_receivers, receiver_settings
-from drawbar.driving.messaging.datagrams import CorrectionsFailure, Device, pack
+from drawbar.driving.messaging.datagrams import Device
 from drawbar.driving.messaging.endpoint import Endpoint
 from drawbar.driving.messaging.heartbeat import HeartbeatSender
 from drawbar.driving.messaging.process_options import (
@@ -23,24 +23,19 @@ from drawbar.driving.messaging.process_options import (
     SENTENCES,
     ProcessOptions,
 )
+from drawbar.driving.processes.corrections_relay import CorrectionsRelay
+from drawbar.driving.processes.input_recorder import InputRecorder
 from drawbar.driving.processes.shutdown import ShutdownRequest, run_program
-from drawbar.machine.hardware.corrections.corrections import open_corrections
-from drawbar.machine.hardware.corrections.receivers import correct
-from drawbar.machine.hardware.corrections.status import CorrectionsNews
 from drawbar.machine.hardware.device_news import LineNews, ReceiverNews
 from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.hardware.navigation import Navigation
 from drawbar.machine.hardware.receiver import Receiver
 from drawbar.machine.hardware.sensor_line import SensorLine
-from drawbar.message_records import encode
 from drawbar.messages import Fixes, Role
-from drawbar.nanoseconds import nanoseconds, seconds
+from drawbar.messages.records import encode
+from drawbar.nanoseconds import seconds
 from drawbar.realtime import prepare, say, step_back_when_busy
-from drawbar.recording.drive_records import Happening, Kind, Order, RawBytes
-from drawbar.transports.base import Received, Transport
-from drawbar.transports.clock import Clock
 from drawbar.transports.open import open_transport
-from drawbar.transports.tapped import Direction, TappedTransport
 
 _BELOW_THE_GATE = 15
 """its priority of scheduling, and so below the controller"""
@@ -48,10 +43,6 @@ _BUSY = 0.5
 """without waiting for more bytes: it is flooded with them, and scheduled as any other process from then on, s"""
 _CORRECTIONS = 0.02
 """between two looks at the caster, s"""
-_SHOWN = 0.5
-"""between two words to the console of how the corrections are, s"""
-_TOGETHER = 32
-"""looks that are sent at once, at most"""
 _ASK_AGAIN = 0.05
 """between two looks at transports that have no descriptor, s"""
 
@@ -76,8 +67,8 @@ def main() -> int:
         sensors = SensorLine(inputs.tap(sensor_line, Device.SENSORS), devices.sensors)
     navigation = Navigation(receivers, local_frame(configuration), sensors)
     heartbeat, shutdown = HeartbeatSender(Role.RECEIVERS, endpoint, options.socket(GATE)), ShutdownRequest()
-    corrections = open_corrections(devices.corrections, clock) if devices.corrections is not None else None
-    news, shown = CorrectionsNews(), -math.inf
+    show = partial(endpoint.send, options.socket(CONSOLE))
+    corrections = CorrectionsRelay(devices.corrections, receivers, clock, show) if devices.corrections else None
     of_devices = _news(devices, receivers, sensors, configuration.sample_time)
     for word in prepare(max(configuration.safety.timing.priority - _BELOW_THE_GATE, 0)):
         say(f"receivers: {word}")
@@ -92,13 +83,7 @@ def main() -> int:
             say(f"receivers: {word}")
         heartbeat.pass_time(now)
         if corrections is not None:
-            correct(corrections, clock(), receivers[0], receivers)
-            status = corrections.status(clock())
-            for word in news.update(status):
-                say(f"receivers: {word}")
-            if clock() >= shown + _SHOWN:
-                shown = clock()
-                endpoint.send(options.socket(CONSOLE), pack(CorrectionsFailure(status.failure)))
+            corrections.update()
         watched = [*(each.transport for each in receivers), *([sensors.transport] if sensors else [])]
         descriptors = [each for each in (line.fileno() for line in watched) if each >= 0]
         longest = _CORRECTIONS if corrections is not None else _ASK_AGAIN
@@ -127,44 +112,6 @@ def _news(
         name = device.topic.replace("_", " ")
         news += [LineNews(name, receiver.transport), ReceiverNews(name, receiver, sample_time)]
     return news
-
-
-class InputRecorder:
-    """Sends the recorder every byte, and each look at the receivers that may have changed anything."""
-
-    def __init__(self, endpoint: Endpoint, recorder: str, clock: Clock) -> None:
-        """Take the own endpoint, the path of the recorder's and the clock of what comes, s."""
-        self._endpoint, self._recorder, self.clock = endpoint, recorder, clock
-        self._pieces = 0
-        self._looks: list[Happening] = []
-
-    def tap(self, transport: Transport, device: Device) -> TappedTransport:
-        """Return a transport, every byte of which goes to the recorder too."""
-
-        def tap(direction: Direction, received: Received) -> None:
-            self._pieces += direction is Direction.IN
-            raw = RawBytes(
-                time=nanoseconds(received.time),
-                device=device.topic,
-                direction=direction,
-                source=received.source,
-                data=received.data,
-            )
-            self._endpoint.send_queued(self._recorder, pack(raw))
-
-        return TappedTransport(transport, tap, self.clock)
-
-    def note_look(self, time: int, *, was_due: bool, found: bool) -> None:
-        """Note a look at a time, ns, at which something came, was due or was found; any other has done nothing.
-
-        All looks are sent to the recorder with the one that has found something, or soon.
-        """
-        if self._pieces or was_due or found:
-            self._looks.append(Happening(kind=Kind.LOOK, time=time, sequence=self._pieces))
-        self._pieces = 0
-        if self._looks and (found or len(self._looks) >= _TOGETHER):
-            self._endpoint.send_queued(self._recorder, pack(Order(tuple(self._looks))))
-            self._looks.clear()
 
 
 if __name__ == "__main__":

@@ -16,9 +16,9 @@ from drawbar.driving.messaging.process_options import GATE, RECORDER, ProcessOpt
 from drawbar.driving.processes.background_writer import BackgroundWriter, Content
 from drawbar.driving.processes.shutdown import ShutdownRequest, run_program
 from drawbar.errors import DrawbarError
-from drawbar.message_records import decode
 from drawbar.messages import KINDS as RECORDS
 from drawbar.messages import GateState, Role
+from drawbar.messages.records import decode
 from drawbar.realtime import prefer, say
 from drawbar.recording.drive_log import DriveLog
 from drawbar.recording.drive_records import Order, RawBytes

@@ -26,8 +26,8 @@ from drawbar.machine.hardware.receiver import Receiver, ReceiverSettings
 from drawbar.machine.hardware.sampler import Sampler
 from drawbar.machine.hardware.sensor_line import SensorBoardSettings, SensorLine
 from drawbar.machine.stand_in.machine import BODIES, HITCH_ANGLES, HITCH_COUNTS, PULSES, SENSORS
-from drawbar.message_records import decode, encode
 from drawbar.messages import Action, Fixes, GateState, Heartbeat, Message, Role, SupervisorState
+from drawbar.messages.records import decode, encode
 from drawbar.nanoseconds import seconds
 from drawbar.protocols.agopengps.steer_board import SteerBoard
 from drawbar.safety.envelope import Bounds

@@ -21,8 +21,8 @@ from drawbar.errors import HardwareError
 from drawbar.machine.stand_in.driver import Driver
 from drawbar.machine.stand_in.faults import FaultPlan, PlannedFault
 from drawbar.machine.stand_in.machine import StandInMachine
-from drawbar.message_records import decode
 from drawbar.messages import GateState, SupervisorState
+from drawbar.messages.records import decode
 from drawbar.realtime import schedule_first
 from drawbar.safety.causes import Cause
 from drawbar.signals import Truth

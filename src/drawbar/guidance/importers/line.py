@@ -37,8 +37,6 @@ class RecordedLine:
     """(n,): east, m"""
     y: Floats
     """(n,): north, m"""
-    repeated: int
-    """points of the source that repeated their predecessor and were dropped"""
     frame: LocalFrame | None = None
     """what x and y count from, for the fixes that are to be compared with them; None: the source has none"""
 
@@ -78,7 +76,7 @@ class RecordedLine:
             )
         if repeated:
             _LOGGER.warning("line %r: dropped %d repeated point(s)", name, repeated)
-        return cls(name=name, x=kept[:, 0].copy(), y=kept[:, 1].copy(), repeated=repeated)
+        return cls(name=name, x=kept[:, 0].copy(), y=kept[:, 1].copy())
 
 
 def on_frame(latitude: Floats, longitude: Floats, frame: LocalFrame, places: list[str]) -> Floats:

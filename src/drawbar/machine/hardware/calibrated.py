@@ -1,4 +1,4 @@
-"""A calibrated number: value, standard deviation, residual, and why it may not be used; and what all fits share."""
+"""A calibrated number: value, standard deviation, and why it may not be used; and what all fits share."""
 
 import math
 from collections.abc import Sequence
@@ -18,27 +18,14 @@ class Calibrated:
     """in `unit`; NaN: not observable from these records"""
     deviation: float
     """standard deviation of the value"""
-    residual: float
-    """root mean square of what the fit leaves over, in `residual_unit`"""
-    samples: int
-    """independent ones, about"""
     unit: str
-    residual_unit: str
     refusals: tuple[str, ...] = ()
     """why it is not to be used, each with what to do; empty: use it"""
 
     @classmethod
-    def unknown(cls, unit: str, residual_unit: str, refusals: Sequence[str], *, samples: int = 0) -> Self:
+    def unknown(cls, unit: str, refusals: Sequence[str]) -> Self:
         """Return what stands for a number that the records do not determine."""
-        return cls(
-            value=math.nan,
-            deviation=math.inf,
-            residual=math.nan,
-            samples=samples,
-            unit=unit,
-            residual_unit=residual_unit,
-            refusals=tuple(refusals),
-        )
+        return cls(value=math.nan, deviation=math.inf, unit=unit, refusals=tuple(refusals))
 
     @property
     def accepted(self) -> bool:

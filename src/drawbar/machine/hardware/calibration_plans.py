@@ -47,19 +47,18 @@ class NoMotion(Exception):  # noqa: N818 -- what was seen, not a mistake
 class DeadBandPlan(Plan):
     """Raise the drive by 1 % from push to push until four have moved, to one side and then back, three times."""
 
-    def __init__(self, *, largest: float = 0.4, duration: float = 0.5, runs: int = RUNS) -> None:
+    def __init__(self, *, largest: float = 0.4, runs: int = RUNS) -> None:
         """Take the numbers.
 
         Args:
             largest: drive; when nothing has moved at it, there is no feedback.
-            duration: of one push, s.
             runs: to each side.
         """
         self.runs: dict[int, list[list[PushRecord]]] = {1: [], -1: []}
         """pushes of each run, by the drive's sign"""
         self.done = 0
         """runs so far"""
-        self._largest, self._duration, self._count = largest, duration, runs
+        self._largest, self._count = largest, runs
         self._pushes = self._sequence()
         self._last: PushRecord | None = None
 
@@ -74,7 +73,7 @@ class DeadBandPlan(Plan):
             run: list[PushRecord] = []
             self.runs[sign].append(run)
             for percent in range(1, round(100.0 * self._largest) + 1):
-                yield Push(drive=sign * percent / 100.0, duration=self._duration, pause=0.5)
+                yield Push(drive=sign * percent / 100.0, duration=0.5, pause=0.5)
                 assert self._last is not None
                 run.append(self._last)
                 if sum(abs(push.moved) > MOVED for push in run) == _MOVING:
@@ -90,25 +89,16 @@ class DeadBandPlan(Plan):
 class RatePlan(Plan):
     """Large pushes, alternately to both sides, for full rate, lag and dead time."""
 
-    def __init__(
-        self,
-        *,
-        drives: tuple[float, float] = (0.45, 0.45),
-        duration: float = 1.5,
-        enough: float = math.radians(4.0),
-        pushes: int = 5,
-    ) -> None:
+    def __init__(self, *, drives: tuple[float, float] = (0.45, 0.45), pushes: int = 5) -> None:
         """Take the numbers.
 
         Args:
             drives: of every positive and every negative push, as large as the limits of rate allow.
-            duration: of one, s, at most.
-            enough: motion that ends it before, rad.
             pushes: to each side.
         """
         self.records: dict[int, list[PushRecord]] = {1: [], -1: []}
         """by the drive's sign"""
-        self._drives, self._duration, self._enough, self._count = drives, duration, enough, pushes
+        self._drives, self._count = drives, pushes
         self.done = 0
         """pushes so far"""
         self._made = 0
@@ -122,4 +112,4 @@ class RatePlan(Plan):
             return None
         drive = self._drives[0] if self._made % 2 == 0 else -self._drives[1]
         self._made += 1
-        return Push(drive=drive, duration=self._duration, pause=0.8, enough=self._enough)
+        return Push(drive=drive, duration=1.5, pause=0.8, enough=math.radians(4.0))

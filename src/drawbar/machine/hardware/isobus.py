@@ -94,9 +94,9 @@ class IsobusSettings(Settings):
             raise ValueError(f"two valves on one bus need an address each, and different ones; given are {addresses}")
         return self
 
-    def node(self, seed: int | None = None) -> IsobusNode:
+    def node(self) -> IsobusNode:
         """Return drawbar's own node, its heartbeat included."""
-        node = IsobusNode(AddressClaim(self.name.name(), self.preferred_address, seed))
+        node = IsobusNode(AddressClaim(self.name.name(), self.preferred_address))
         Heartbeat(node)
         return node
 

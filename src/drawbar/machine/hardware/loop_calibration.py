@@ -54,10 +54,7 @@ def loop_dead_band(drive: LoopDrive) -> Calibrated:
     return Calibrated(
         value=float(np.median(errors)) if len(errors) else math.nan,
         deviation=spread / math.sqrt(max(len(errors), 1)) + _SAME / 2.0,
-        residual=spread,
-        samples=len(errors),
         unit="rad",
-        residual_unit="rad",
         refusals=tuple(refusals),
     )
 

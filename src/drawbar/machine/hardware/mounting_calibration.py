@@ -59,7 +59,7 @@ def mounting_roll(
         refusals.append(f"the antenna's height {height} m is below 0.5 m; measure it above the ground")
     if min(map(len, offsets)) < 2:
         refusals.append(f"{min(map(len, offsets))} times {_BLOCK:.0f} s one way; drive {BACK:.0f} s each way")
-        return Calibrated.unknown("rad", "m", refusals)
+        return Calibrated.unknown("rad", refusals)
     difference = float(offsets[0].mean() - offsets[1].mean())
     errors = [float(each.std(ddof=1)) for each in offsets]
     deviation = math.hypot(*(error / math.sqrt(len(each)) for error, each in zip(errors, offsets, strict=True)))
@@ -73,10 +73,7 @@ def mounting_roll(
     return Calibrated(
         value=bias,
         deviation=deviation / (2.0 * height) if height > 0.0 else math.inf,
-        residual=math.hypot(*errors) / math.sqrt(2.0),
-        samples=sum(map(len, offsets)),
         unit="rad",
-        residual_unit="m",
         refusals=tuple(refusals),
     )
 
@@ -127,7 +124,7 @@ def antenna_place(drive: CurveDrive, *, wheelbase: float) -> AntennaPlace:
     stretches = _stretches(time, columns[0] + 1j * columns[1])
     if len(stretches) < _FEWEST:
         nothing = Calibrated.unknown(
-            "m", "m", [f"{len(stretches) * _STRETCH:.0f} s of driving; drive two minutes of S-curves"]
+            "m", [f"{len(stretches) * _STRETCH:.0f} s of driving; drive two minutes of S-curves"]
         )
         return AntennaPlace(forward=nothing, left=nothing)
     times, x, y, speeds, angles = (column[stretches] for column in (time, *columns))
@@ -138,10 +135,9 @@ def antenna_place(drive: CurveDrive, *, wheelbase: float) -> AntennaPlace:
             f"the wheels explain the track to {residual:.2f} m only, {_EXPLAINED} m at most; calibrate the front "
             f"wheels first, and drive where they do not slip"
         )
-    seconds = len(stretches) * _STRETCH
     return AntennaPlace(
-        forward=_found(place[0], deviations[0], residual, seconds, refusals),
-        left=_found(place[1], deviations[1], residual, seconds, refusals),
+        forward=_found(place[0], deviations[0], refusals),
+        left=_found(place[1], deviations[1], refusals),
     )
 
 
@@ -220,7 +216,7 @@ def _turning_refusals(rate: Floats, count: int) -> list[str]:
     return refusals
 
 
-def _found(value: float, deviation: float, residual: float, seconds: float, refusals: Sequence[str]) -> Calibrated:
+def _found(value: float, deviation: float, refusals: Sequence[str]) -> Calibrated:
     reasons = list(refusals)
     if not deviation <= _USEFUL:
         reasons.append(
@@ -229,9 +225,6 @@ def _found(value: float, deviation: float, residual: float, seconds: float, refu
     return Calibrated(
         value=float(value),
         deviation=float(deviation),
-        residual=residual,
-        samples=int(seconds),
         unit="m",
-        residual_unit="m",
         refusals=tuple(reasons),
     )

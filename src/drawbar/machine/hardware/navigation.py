@@ -67,6 +67,11 @@ class Navigation:
         """When the sensor board made its last report, s."""
         return self._sensors.last.time if self._sensors is not None else -math.inf
 
+    @property
+    def _came(self) -> float:
+        """When that came, s."""
+        return self._sensors.last.received if self._sensors is not None else -math.inf
+
     @staticmethod
     def _alone(epoch: Epoch) -> Pair:
         return Pair(tractor=epoch, trailer=None)
@@ -80,7 +85,7 @@ class Navigation:
             time=nanoseconds(time),
             valid_until=nanoseconds(time + _VALID),
             epoch=nanoseconds(min((epoch.time for epoch in epochs), default=self._reported)),
-            first_byte=nanoseconds(min((epoch.received for epoch in epochs), default=self._reported)),
+            first_byte=nanoseconds(min((epoch.received for epoch in epochs), default=self._came)),
             tractor_yaw=pair.tractor.yaw if pair.tractor is not None else math.nan,
             **self._sensed(time),
             **values,

@@ -104,21 +104,18 @@ def _slope(offset: Floats, angles: Floats, refusals: list[str]) -> Calibrated:
     """Return counts per degree of a line through the zero."""
     whole = np.isfinite(offset) & np.isfinite(angles)
     if not whole.any():
-        return Calibrated.unknown("counts per degree", "rad", refusals)
+        return Calibrated.unknown("counts per degree", refusals)
     fit = linear_fit(offset[whole, None], angles[whole])
     slope = float(fit.parameters[0])
     if slope == 0.0:
         return Calibrated.unknown(
-            "counts per degree", "rad", [*refusals, "the counts do not follow the angle; check the sensor"]
+            "counts per degree", [*refusals, "the counts do not follow the angle; check the sensor"]
         )
     value = math.radians(1.0) / slope
     return Calibrated(
         value=value,
         deviation=abs(value / slope) * float(fit.deviations[0]),
-        residual=fit.residual,
-        samples=int(whole.sum()),
         unit="counts per degree",
-        residual_unit="rad",
         refusals=tuple(refusals),
     )
 

@@ -41,7 +41,7 @@ def zero_from_straight(
     mean, curvature = blocks(time[moving], count[moving], rate[moving] / speed[moving], length=BLOCK)
     if len(mean) < 5:
         refusal = f"{len(mean)} s at {SLOW} to {FAST} m/s; drive {STRAIGHT_WAY:.0f} m straight at 1 to 2 m/s"
-        return Calibrated.unknown("counts", "counts", [refusal], samples=len(mean))
+        return Calibrated.unknown("counts", [refusal])
     columns = [np.ones(len(mean))] + ([curvature] if curvature.std() > 1e-6 else [])
     fit = linear_fit(np.column_stack(columns), mean)
     refusals = []
@@ -52,9 +52,6 @@ def zero_from_straight(
     return Calibrated(
         value=float(fit.parameters[0]),
         deviation=float(fit.deviations[0]),
-        residual=fit.residual,
-        samples=len(mean),
         unit="counts",
-        residual_unit="counts",
         refusals=tuple(refusals),
     )

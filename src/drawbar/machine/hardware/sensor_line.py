@@ -73,7 +73,7 @@ class SensorLine:
     def __init__(self, transport: Transport, settings: SensorBoardSettings) -> None:
         """Take the open transport."""
         self.transport, self.board = transport, settings.board()
-        self.last = SensorReport(time=-math.inf)
+        self.last = SensorReport(time=-math.inf, received=-math.inf)
 
     def poll(self) -> None:
         """Read what has come."""

@@ -46,7 +46,7 @@ def dead_band(runs: Sequence[Sequence[PushRecord]]) -> Calibrated:
 
     The value is the dead band itself; `compensation` of the loop is the share of it that is skipped (0.8).
     """
-    bands, deviations, residuals = [], [], []
+    bands, deviations = [], []
     for run in runs:
         moving = [push for push in run if abs(push.moved) > MOVED]
         if len(moving) < 3:
@@ -55,7 +55,6 @@ def dead_band(runs: Sequence[Sequence[PushRecord]]) -> Calibrated:
         fit = linear_fit(np.column_stack([moves, np.ones(len(moves))]), drives)
         bands.append(float(fit.parameters[1]))
         deviations.append(float(fit.deviations[1]))
-        residuals.append(fit.residual)
     if not bands:
         return _no_dead_band((f"in no run did three pushes move more than {math.degrees(MOVED)}°; push further",))
     refusals = []
@@ -70,16 +69,13 @@ def dead_band(runs: Sequence[Sequence[PushRecord]]) -> Calibrated:
     return Calibrated(
         value=max(value, 0.0),
         deviation=math.hypot(spread, float(np.mean(deviations))),
-        residual=float(np.mean(residuals)),
-        samples=len(bands),
         unit="of the full drive",
-        residual_unit="of the full drive",
         refusals=tuple(refusals),
     )
 
 
 def _no_dead_band(refusals: tuple[str, ...]) -> Calibrated:
-    return Calibrated.unknown("of the full drive", "of the full drive", refusals)
+    return Calibrated.unknown("of the full drive", refusals)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -134,7 +130,7 @@ def _dynamics(
 
     if len(pushes) < RUNS or len(values) < 10:
         reason = f"{len(pushes)} pushes with {len(values)} samples; make {RUNS} at 10 a second or more"
-        return _dynamics_of(np.full(3, math.nan), np.full(3, math.inf), math.nan, len(pushes), unit, (reason,))
+        return _dynamics_of(np.full(3, math.nan), np.full(3, math.inf), unit, (reason,))
     bounds = ([0.0, 1e-3, 0.0], [math.inf, most_lag, 0.5])
     starts = [least_squares(lambda p: predicted(p) - values, (0.5, lag, 0.05), bounds=bounds) for lag in (0.05, 0.3)]
     fit = min(starts, key=lambda start: start.cost)
@@ -143,7 +139,7 @@ def _dynamics(
     # of angles quantised by their sensor, whose errors are not independent from sample to sample: twice
     deviations = 2.0 * residual * np.sqrt(np.diag(spread))
     reasons = _dynamics_refusals(fit.x, values, residual)
-    return _dynamics_of(fit.x, deviations, residual, len(pushes), unit, reasons)
+    return _dynamics_of(fit.x, deviations, unit, reasons)
 
 
 def _held(push: PushRecord) -> tuple[Floats, Floats]:
@@ -164,17 +160,12 @@ def _dynamics_refusals(fitted: Floats, values: Floats, residual: float) -> tuple
     return tuple(reasons)
 
 
-def _dynamics_of(
-    fitted: Floats, deviations: Floats, residual: float, samples: int, unit: str, refusals: tuple[str, ...]
-) -> Dynamics:
+def _dynamics_of(fitted: Floats, deviations: Floats, unit: str, refusals: tuple[str, ...]) -> Dynamics:
     size, lag, dead_time = (
         Calibrated(
             value=float(value),
             deviation=float(deviation),
-            residual=residual,
-            samples=samples,
             unit=each,
-            residual_unit="rad",
             refusals=refusals,
         )
         for value, deviation, each in zip(fitted, deviations, (unit, "s", "s"), strict=True)

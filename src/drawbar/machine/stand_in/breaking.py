@@ -93,6 +93,12 @@ def measure_otherwise(
         steer_otherwise(machine, body, lambda wanted, true: true + 4.0 * (wanted - wheel.angle))
 
 
+def measure_more_and_more(machine: StandInMachine, body: str, rate: float) -> None:
+    """Let a board measure an angle further and further to the left, rad/s, from now on."""
+    start = machine.time
+    measure_otherwise(machine, body, lambda true: true + rate * (machine.time - start))
+
+
 def measure_the_same(machine: StandInMachine, body: str) -> None:
     """Let a board measure the same angle from now on."""
     stuck = machine.boards[body][1].angle
@@ -108,6 +114,12 @@ def hold_hitch(machine: StandInMachine) -> None:
         return kept[0]
 
     machine.hitch_counts = stuck
+
+
+def drift_hitch(machine: StandInMachine, rate: float) -> None:
+    """Let the hitch's counts become more and more, 1/s."""
+    start = machine.time
+    machine.hitch_counts = lambda right: right + round(rate * (machine.time - start))
 
 
 def scale_wheel_speed(machine: StandInMachine, by: int) -> None:

@@ -11,9 +11,11 @@ from dataclasses import dataclass, replace
 from drawbar.errors import ConfigurationError
 from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.stand_in.breaking import (
+    drift_hitch,
     freeze,
     hold_hitch,
     lose_epochs,
+    measure_more_and_more,
     measure_otherwise,
     measure_the_same,
     moved,
@@ -23,13 +25,15 @@ from drawbar.machine.stand_in.breaking import (
     steer_otherwise,
     swap_receivers,
 )
-from drawbar.machine.stand_in.machine import BODIES, SENSORS, StandInMachine
+from drawbar.machine.stand_in.machine import BODIES, COUNTS_PER_RADIAN, SENSORS, StandInMachine
 from drawbar.signals import FixQuality
 
 LIST = "list"
 """in the place of a fault's name: list them"""
 _KNOTS = 3600.0 / 1852.0
 """of a metre per second"""
+_DRIFT = math.radians(2.0)
+"""of an angle's sensor, rad/s"""
 
 
 def _garbage(machine: StandInMachine) -> None:
@@ -164,6 +168,11 @@ FAULTS = {
         begin=hold_hitch,
         needs="sensors.hitch_counts",
     ),
+    "hitch-drifts": DeviceFault(
+        text="the hitch sensor drifts to the left by 2°/s",
+        begin=lambda machine: drift_hitch(machine, _DRIFT * COUNTS_PER_RADIAN),
+        needs="sensors.hitch_counts",
+    ),
     "hitch-reversed": DeviceFault(
         text="the hitch sensor has the wrong sign",
         begin=_hitch(lambda right: 4096 - right),
@@ -220,6 +229,11 @@ FAULTS = {
         begin=lambda machine: measure_otherwise(machine, "tractor", lambda true: true + math.radians(5.0)),
         needs="tractor_board",
     ),
+    "angle-drifts": DeviceFault(
+        text="what the front wheels' board measures drifts to the left by 2°/s",
+        begin=lambda machine: measure_more_and_more(machine, "tractor", _DRIFT),
+        needs="tractor_board",
+    ),
     "angle-reversed": DeviceFault(
         text="the front wheels' board measures with the wrong sign",
         begin=lambda machine: measure_otherwise(machine, "tractor", lambda true: -true),
@@ -228,6 +242,11 @@ FAULTS = {
     "joint-angle-stuck": DeviceFault(
         text="the joint's board measures the same angle",
         begin=lambda machine: measure_the_same(machine, "trailer"),
+        needs="trailer_board",
+    ),
+    "joint-angle-drifts": DeviceFault(
+        text="what the joint's board measures drifts to the left by 2°/s",
+        begin=lambda machine: measure_more_and_more(machine, "trailer", _DRIFT),
         needs="trailer_board",
     ),
     "driver-stays": DeviceFault(

@@ -30,7 +30,9 @@ BARE_VALVE = "bare valve"
 """name of its line"""
 HITCH_COUNTS = (0.0, 1024.0, 2048.0, 3072.0, 4096.0)
 """of its converter"""
-HITCH_ANGLES = tuple((counts - 2048.0) / 1600.0 for counts in HITCH_COUNTS)
+COUNTS_PER_RADIAN = 1600.0
+"""of the hitch angle's converter"""
+HITCH_ANGLES = tuple((counts - 2048.0) / COUNTS_PER_RADIAN for counts in HITCH_COUNTS)
 """rad"""
 PULSES = 100.0
 """of its encoder, per metre"""
@@ -196,7 +198,7 @@ class StandInMachine:
 
     def _sense(self, time: float) -> None:
         """Let the sensor board report."""
-        counts = round(2048.0 + 1600.0 * self.world.measurement.hitch_angle)
+        counts = round(2048.0 + COUNTS_PER_RADIAN * self.world.measurement.hitch_angle)
         said = (self.hitch_counts(counts), self.pulses(int(self._way * PULSES)))
         self._leaving.append((time, SENSORS, sentence(round(time * 1e3), *said)))
 

@@ -10,12 +10,6 @@ from drawbar.geometry import wrap
 from drawbar.protocols.gnss.solution import SIGMA
 from drawbar.signals import FixQuality
 
-LEAP_SECONDS = 18
-"""GPS time minus UTC, s"""
-_GPS_BEGIN = datetime.datetime(1980, 1, 6, tzinfo=datetime.UTC)
-_WEEK = 7 * 86_400_000
-"""ms"""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Report:
@@ -70,19 +64,6 @@ class Report:
     def has_fix(self) -> bool:
         """Whether there is a position to send."""
         return self.quality is not FixQuality.NONE
-
-    @property
-    def velocity(self) -> tuple[float, float]:
-        """East and north of the speed over ground, m/s; zero where there is no course."""
-        if math.isnan(self.course):
-            return 0.0, 0.0
-        return self.speed * math.cos(self.course), self.speed * math.sin(self.course)
-
-    @property
-    def gps(self) -> tuple[int, int]:
-        """GPS week and milliseconds in it."""
-        since = self.time - _GPS_BEGIN + datetime.timedelta(seconds=LEAP_SECONDS)
-        return divmod(since // datetime.timedelta(milliseconds=1), _WEEK)
 
 
 def of_quality(report: Report, quality: FixQuality) -> Report:

@@ -20,6 +20,10 @@ from drawbar.protocols.isobus.node import Component, IsobusNode
 from drawbar.transports.base import CanFrame
 
 _PERIOD = 0.1
+_TIMEOUT = 0.15
+"""without a command, s"""
+_REACH = 0.6
+"""largest curvature, 1/m"""
 _EXITS = 100
 
 
@@ -31,9 +35,7 @@ class StandInValve(Component):
     (1/m)/s; None: another moves `curvature` after `target`.
     """
 
-    def __init__(
-        self, node: IsobusNode, *, rate: float | None = 0.5, reach: float = 0.6, timeout: float = 0.15
-    ) -> None:
+    def __init__(self, node: IsobusNode, *, rate: float | None = 0.5) -> None:
         self.dropped: Counter[str] = Counter()
         self.curvature = 0.0
         """what the machine's wheels do, 1/m, left positive"""
@@ -53,7 +55,7 @@ class StandInValve(Component):
         """its information is lost on the way"""
         self.exits: deque[tuple[float, ExitReason]] = deque(maxlen=_EXITS)
         """when and why it released by itself, the last ones"""
-        self._node, self._rate, self._reach, self._timeout = node, rate, reach, timeout
+        self._node, self._rate = node, rate
         self._cadence = Cadence(_PERIOD)
         self._master: int | None = None
         """the sender that may engage it, or steers"""
@@ -72,7 +74,7 @@ class StandInValve(Component):
     @property
     def target(self) -> float | None:
         """Where it steers to, 1/m, left positive, within its reach; None: it does not."""
-        return None if self._target is None else max(-self._reach, min(self._reach, self._target))
+        return None if self._target is None else max(-_REACH, min(_REACH, self._target))
 
     def receive_message(self, time: float, message: Message) -> None:
         """Take in a command."""
@@ -141,7 +143,7 @@ class StandInValve(Component):
         elapsed, self._moved = time - self._moved, time
         if not self.engaged:
             return
-        if time - self._command_time > self._timeout:
+        if time - self._command_time > _TIMEOUT:
             self._leave(time, ExitReason.COMMAND_TIMEOUT)
         elif (obstacle := self._obstacle()) is not ExitReason.NONE:
             self._leave(time, obstacle)
@@ -166,7 +168,7 @@ class StandInValve(Component):
             return LimitStatus.OPERATOR
         if self.interlock is ExitReason.FUNCTION_FAULT:
             return LimitStatus.NON_RECOVERABLE
-        if self._target is None or abs(self._target) <= self._reach:
+        if self._target is None or abs(self._target) <= _REACH:
             return LimitStatus.NOT_LIMITED
         # Right is positive on the wire.
         return LimitStatus.LIMITED_LOW if self._target > 0.0 else LimitStatus.LIMITED_HIGH

@@ -76,10 +76,8 @@ class Assembler:
         """Forget the epochs so far, but not what the receiver sends."""
         self._clock, self._located = ReceiverClock(), False
         self._hold = QualityHold(self._settings.quality_hold)
-        self._elsewhere: tuple[float, float] | None = (
-            None  # UTC and offset of the epoch before, if that had another time
-        )
-        self._place, self._repeats = (0.0, 0.0), 0
+        self._elsewhere: tuple[float, float] | None = None
+        """UTC and offset of the epoch before, if that had another time"""
         self._turning = Turning()
         self._last_kinds: set[str] = set()  # of the epoch before
 
@@ -186,9 +184,9 @@ class Assembler:
 
     def _epoch(self, draft: _Draft, utc: float, solution: Solution) -> Epoch:
         position = solution.position
-        place = (position.latitude, position.longitude)
-        if math.isfinite(sum(place)):
-            self._note_place(place)
+        if math.isfinite(position.latitude + position.longitude) and not self._located:
+            self._clock.forget()  # its offset is learned anew with the first position
+            self._located = True
         time = self._measured(utc, draft.received, solution.latency)
         quality = solution.quality
         if quality is not FixQuality.UNKNOWN:  # an attitude alone has no quality of the fix
@@ -209,7 +207,6 @@ class Assembler:
             sigma_east=east,
             sigma_north=north,
             resolution=position.resolution,
-            repeats=self._repeats,
             speed=solution.velocity.speed,
             course=solution.velocity.course,
             correction_age=position.correction_age,
@@ -220,14 +217,6 @@ class Assembler:
             attitude_age=age,
             **solution.attitude,
         )
-
-    def _note_place(self, place: tuple[float, float]) -> None:
-        """Count how often a position repeats itself; with the first one the clock's offset is learned anew."""
-        if not self._located:
-            self._clock.forget()
-            self._located = True
-        self._repeats = self._repeats + 1 if place == self._place else 0
-        self._place = place
 
     def _measured(self, utc: float, received: float, reported_latency: float) -> float:
         """Return when an epoch was measured, s."""

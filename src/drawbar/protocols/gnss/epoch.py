@@ -35,8 +35,6 @@ class Epoch:
     """m"""
     resolution: float = 0.0
     """what the last digit of latitude or longitude is worth, degrees"""
-    repeats: int = 0
-    """how many epochs before this one had the very same latitude and longitude: a fault while wheels turn"""
     speed: float = math.nan
     """over ground, m/s, never negative"""
     course: float = math.nan

@@ -5,7 +5,6 @@ from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from drawbar.protocols.isobus.facilities import Facilities, FacilityChange
 from drawbar.protocols.isobus.identifier import Message
 from drawbar.protocols.isobus.node import Component
 from drawbar.protocols.isobus.tractor_messages import (
@@ -36,8 +35,9 @@ _GROUPS: dict[int, tuple[str, Callable[[bytes], Reading | None]]] = {
     REAR_PTO: ("rear PTO", decode_power_take_off),
     FRONT_PTO: ("front PTO", decode_power_take_off),
 }
-FACILITIES = tuple(name for name, _ in _GROUPS.values())
-"""what `Tractor` has by name"""
+"""facilities by their message: name and reader"""
+_TIMEOUT = 0.3
+"""without its message, after which a facility is lost, s; at 10 Hz three are missed"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,7 +59,6 @@ class Tractor(Component):
     def __init__(self) -> None:
         self.dropped: Counter[str] = Counter()
         """messages of a wrong length, and of a second sender"""
-        self._facilities = Facilities(*FACILITIES)
         self._readings: dict[str, tuple[float, Reading]] = {}
         self._sources: dict[str, int] = {}
 
@@ -72,12 +71,11 @@ class Tractor(Component):
         if reading is None:
             self.dropped["length"] += 1
             return
-        if self._facilities.present(name, time) and self._sources[name] != message.source:
+        if self._is_present(name, time) and self._sources[name] != message.source:
             self.dropped["second sender"] += 1
             return
         self._sources[name] = message.source
         self._readings[name] = time, reading
-        self._facilities.received(name, time)
 
     def speed(self, name: str) -> SpeedReading:
         """Return the latest "wheel speed", "ground speed" or "selected speed"; its age is for the caller to judge."""
@@ -87,9 +85,8 @@ class Tractor(Component):
         return SpeedReading(speed=reading.speed, time=time)
 
     def reading(self, name: str, time: float) -> Reading | None:
-        """Return the latest reading of one of `FACILITIES`, None while it is lost."""
-        return self._readings[name][1] if self._facilities.present(name, time) else None
+        """Return the latest reading of a facility, None while it is lost."""
+        return self._readings[name][1] if self._is_present(name, time) else None
 
-    def changes(self, time: float) -> list[FacilityChange]:
-        """Return which facilities came, were lost and came back since the last call."""
-        return self._facilities.changes(time)
+    def _is_present(self, name: str, time: float) -> bool:
+        return name in self._readings and time - self._readings[name][0] <= _TIMEOUT

@@ -1,7 +1,7 @@
 /* Signals that enter and leave one control step. SI units, radians, x east, y north, yaw counter-clockwise from
  * east and continuous, steering left positive. A missing value is NaN; so is what a machine has no sensor for.
  *
- * Generated from signals/ and statuses.py by `python -m drawbar.exchange`; change them there. */
+ * Generated from signals/ and statuses.py by `python -m drawbar.signals.c_headers`; change them there. */
 #ifndef DRAWBAR_SIGNALS_H
 #define DRAWBAR_SIGNALS_H
 

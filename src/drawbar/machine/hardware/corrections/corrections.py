@@ -20,10 +20,6 @@ class Corrections:
     def __init__(self, client: CorrectionsClient, outlets: tuple[Outlet, ...] = ()) -> None:
         self.client, self.outlets = client, outlets
 
-    def fileno(self) -> int:
-        """Return the descriptor to wait on, -1 while there is none."""
-        return self.client.fileno()
-
     def position(self, sentence: bytes) -> bool:
         """Take the receiver's latest GGA sentence, and return whether it is one with a fix."""
         return self.client.position(sentence)

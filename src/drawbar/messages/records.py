@@ -12,8 +12,9 @@ from dataclasses import dataclass, fields
 from enum import Enum, IntEnum
 from typing import Any, get_args, get_origin, get_type_hints
 
-from drawbar.message_fields import Cell
-from drawbar.messages import KINDS, Kind, Message
+from drawbar.messages.base import Message
+from drawbar.messages.fields import Cell
+from drawbar.messages.kinds import KINDS, Kind
 
 MARK = 0x4244
 """first two bytes of every record: "DB" """

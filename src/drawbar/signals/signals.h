@@ -1,7 +1,7 @@
 /* Signals between the components of one control step. Arrays behind pointers are their maker's own and valid until
  * its next call.
  *
- * Generated from signals/ and statuses.py by `python -m drawbar.exchange`; change them there. */
+ * Generated from signals/ and statuses.py by `python -m drawbar.signals.c_headers`; change them there. */
 #ifndef DRAWBAR_INNER_SIGNALS_H
 #define DRAWBAR_INNER_SIGNALS_H
 

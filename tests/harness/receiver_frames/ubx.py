@@ -1,4 +1,4 @@
-"""UBX of a receiver's stand-in: NAV-PVT, NAV-HPPOSLLH and NAV-RELPOSNED of one epoch."""
+"""UBX of a receiver: NAV-PVT, NAV-HPPOSLLH and NAV-RELPOSNED of one epoch."""
 
 import math
 import struct
@@ -6,6 +6,7 @@ import struct
 from drawbar.machine.stand_in.receiver import Report, heading
 from drawbar.protocols.gnss.checksums import fletcher
 from drawbar.signals import FixQuality
+from receiver_frames.times import gps_time, velocity
 
 _CARRIER = {FixQuality.FLOAT: 1, FixQuality.FIXED: 2}
 _AGES = (1.0, 2.0, 5.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0, 120.0)
@@ -22,8 +23,8 @@ def frame(class_: int, number: int, payload: bytes) -> bytes:
 
 def pvt(report: Report) -> bytes:
     """Return position to 1.1 cm, velocity, quality."""
-    _, milliseconds = report.gps
-    time, (east, north) = report.time, report.velocity
+    _, milliseconds = gps_time(report)
+    time, (east, north) = report.time, velocity(report)
     longitude, latitude, height = (
         round(report.longitude * 1e7),
         round(report.latitude * 1e7),
@@ -56,7 +57,7 @@ def pvt(report: Report) -> bytes:
 
 def hpposllh(report: Report) -> bytes:
     """Return position to 0.1 mm."""
-    _, milliseconds = report.gps
+    _, milliseconds = gps_time(report)
     places = [_split(value, 100) for value in (report.longitude * 1e9, report.latitude * 1e9)]
     (longitude, longitude_rest), (latitude, latitude_rest) = places
     height, height_rest = _split(report.height * 1e4, 10)
@@ -71,7 +72,7 @@ def hpposllh(report: Report) -> bytes:
 
 def relposned(report: Report) -> bytes:
     """Return the vector from the moving base's antenna to the other one, along the reported yaw and pitch."""
-    _, milliseconds = report.gps
+    _, milliseconds = gps_time(report)
     given = math.isfinite(report.yaw)
     yaw, pitch = (report.yaw, 0.0 if math.isnan(report.pitch) else report.pitch) if given else (0.0, 0.0)
     level = report.baseline * math.cos(pitch)

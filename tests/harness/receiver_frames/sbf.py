@@ -1,4 +1,4 @@
-"""SBF of a receiver's stand-in: PVTGeodetic, PosCovGeodetic, AttEuler and AttCovEuler of one epoch."""
+"""SBF of a receiver: PVTGeodetic, PosCovGeodetic, AttEuler and AttCovEuler of one epoch."""
 
 import math
 import struct
@@ -6,6 +6,7 @@ import struct
 from drawbar.machine.stand_in.receiver import Report, heading
 from drawbar.protocols.gnss.checksums import crc_ccitt
 from drawbar.signals import FixQuality
+from receiver_frames.times import gps_time, velocity
 
 _UNUSED = -2e10
 _TYPES = {FixQuality.SINGLE: 1, FixQuality.DIFFERENTIAL: 2, FixQuality.FIXED: 4, FixQuality.FLOAT: 5}
@@ -15,7 +16,7 @@ _SLOWEST_COURSE = 0.1
 
 def block(number: int, revision: int, report: Report, body: bytes) -> bytes:
     """Return a body with its header: $@, CRC, id, length, time of week, week; padded to a multiple of 4."""
-    week, milliseconds = report.gps
+    week, milliseconds = gps_time(report)
     body += bytes(-(14 + len(body)) % 4)
     tail = struct.pack("<HHIH", number | revision << 13, 14 + len(body), milliseconds, week) + body
     return b"$@" + struct.pack("<H", crc_ccitt(tail)) + tail
@@ -29,7 +30,7 @@ def pvt_geodetic(report: Report) -> bytes:
             "<dfBBBBHHIBBHHHHB", _UNUSED, _UNUSED, 255, 255, 255, 0, 65535, 65535, *[0] * 4, *[65535] * 3, 0
         )
         return block(4007, 2, report, b"\0\1" + floats + tail)
-    east, north = report.velocity
+    east, north = velocity(report)
     moving = math.isfinite(report.course) and report.speed >= _SLOWEST_COURSE
     course = heading(report.course) if moving else _UNUSED
     place = (math.radians(report.latitude), math.radians(report.longitude), report.height)

@@ -1,4 +1,4 @@
-"""One simulated valve and one simulated hydrostat by themselves, to try loops and calibrations on."""
+"""Simulated actuators: a valve and a hydrostat by themselves, to try loops and calibrations on."""
 
 from functools import cache
 

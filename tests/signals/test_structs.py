@@ -5,7 +5,7 @@ import pickle
 import msgspec
 import pytest
 
-from drawbar.structs import as_struct
+from drawbar.signals.structs import as_struct
 
 
 @dataclasses.dataclass(frozen=True, slots=True, kw_only=True)

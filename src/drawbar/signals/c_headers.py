@@ -1,6 +1,6 @@
-"""Exchange of signals with C: structures, enumerations and texts printed from declarations (bytes: signal_layout.py).
+"""C headers of the signals: structures, enumerations and texts, printed from the declarations.
 
-`python -m drawbar.exchange` prints the headers again after a change of `signals/` or `statuses.py`; a test holds them
+`python -m drawbar.signals.c_headers` prints them again after a change of `signals/` or `statuses.py`; a test holds them
 against each other.
 """
 
@@ -13,7 +13,6 @@ from textwrap import wrap
 from typing import Any
 
 from drawbar.declared_words import declared_words
-from drawbar.signal_layout import base_of, is_small, members_of, note_of
 from drawbar.signals import (
     Actuation,
     Array,
@@ -39,6 +38,7 @@ from drawbar.signals import (
     Status,
     Truth,
 )
+from drawbar.signals.layout import base_of, is_small, members_of, note_of
 
 _ENUMERATIONS: dict[type[IntEnum] | type[IntFlag], tuple[str, str]] = {
     Status: ("drawbar_status", "DRAWBAR_"),
@@ -175,7 +175,7 @@ def _nothing() -> str:
 
 _NOTE = """\
  *
- * Generated from signals/ and statuses.py by `python -m drawbar.exchange`; change them there. */"""
+ * Generated from signals/ and statuses.py by `python -m drawbar.signals.c_headers`; change them there. */"""
 _PUBLIC = f"""\
 /* Signals that enter and leave one control step. SI units, radians, x east, y north, yaw counter-clockwise from
  * east and continuous, steering left positive. A missing value is NaN; so is what a machine has no sensor for.
@@ -237,7 +237,7 @@ def headers() -> dict[str, str]:
     return {
         "step/public/drawbar_signals.h": _PUBLIC + "\n".join(public) + end,
         "step/status_text.h": _TEXTS + _texts() + end,
-        "signals.h": _INNER + "\n".join(inner) + end,
+        "signals/signals.h": _INNER + "\n".join(inner) + end,
         "solver/status.h": _SOLVER + _enumeration(SolverStatus, "qp_status", "") + end,
     }
 

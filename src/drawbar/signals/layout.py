@@ -1,4 +1,4 @@
-"""Signal layout: the bytes of a signal as C lays its structure out, derived from the signal's declaration."""
+"""Layout: the bytes of a signal as C lays its structure out, derived from the signal's declaration."""
 
 import ctypes
 from collections.abc import Iterator

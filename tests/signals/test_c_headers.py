@@ -18,8 +18,6 @@ from drawbar.codegen.cache import runtime_sources
 from drawbar.control.settings import Coupling
 from drawbar.control.subsystem import coupling_settings
 from drawbar.errors import SignalError
-from drawbar.exchange import headers
-from drawbar.signal_layout import Layout
 from drawbar.signals import (
     BodySteering,
     Command,
@@ -31,6 +29,8 @@ from drawbar.signals import (
     SolverStatus,
     Status,
 )
+from drawbar.signals.c_headers import headers
+from drawbar.signals.layout import Layout
 
 SIGNALS = {
     "measurement": Measurement,
@@ -113,7 +113,7 @@ def unit() -> Workspace:
 def test_the_generated_headers_are_those_of_today() -> None:
     with resources.as_file(resources.files("drawbar")) as root:
         for name, text in headers().items():
-            assert (root / name).read_text("utf-8") == text, f"{name} is stale: python -m drawbar.exchange"
+            assert (root / name).read_text("utf-8") == text, f"{name} is stale: python -m drawbar.signals.c_headers"
 
 
 @pytest.mark.parametrize("name", SIGNALS)

@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drawbar.message_records import LAYOUTS, Flaw, decode, encode
 from drawbar.messages import (
     KINDS,
     Action,
@@ -22,6 +21,7 @@ from drawbar.messages import (
     Role,
     SupervisorState,
 )
+from drawbar.messages.records import LAYOUTS, Flaw, decode, encode
 
 COMMAND = CommandMessage(
     sequence=7, time=10**9, valid_until=2 * 10**9, mode=Mode.DRIVE, tractor_angle=0.5, trailer_angle=-0.25, speed=1.0

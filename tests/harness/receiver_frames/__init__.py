@@ -1,0 +1,1 @@
+"""Frames that receivers send of one epoch: what tests decode."""
