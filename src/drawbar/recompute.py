@@ -12,7 +12,7 @@ from drawbar.errors import DrawbarError, demand
 from drawbar.estimation.settings import IdealEstimatorSettings
 from drawbar.machine.base import EndOfMeasurements
 from drawbar.machine.replayed import ReplayedMachine
-from drawbar.recording.log import RunLog
+from drawbar.recording.log import CUT_OFF, RunLog
 from drawbar.signals import StepRecord
 from drawbar.step.build import build_autopilot
 
@@ -47,7 +47,7 @@ class Replay:
     largest: dict[str, float]
     """largest difference of each signal that differs"""
     cut: str = ""
-    """why it ends before the log does; empty: it does not"""
+    """why it ends before the log, or the run, does; empty: it does not"""
 
 
 def replay(log: RunLog, changes: Sequence[str] = ()) -> Replay:
@@ -85,8 +85,8 @@ def replay(log: RunLog, changes: Sequence[str] = ()) -> Replay:
     comparison = Comparison(common_only=bool(changes))
     for recorded, recomputed in zip(logged, records, strict=True):
         comparison.add(recorded.step, recorded, recomputed)
-    cut = "; ".join(log.losses) if len(logged) < len(log.records) else ""
-    return comparison.replay(records, cut=cut)
+    is_whole = len(logged) == len(log.records) and log.outcome is not CUT_OFF
+    return comparison.replay(records, cut="" if is_whole else "; ".join(log.shortcomings))
 
 
 def _unbroken(log: RunLog) -> tuple[StepRecord, ...]:

@@ -74,3 +74,14 @@ def test_a_log_that_is_cut_off_in_its_beginning_says_so(drawbar: Drawbar, run: R
     code, told = drawbar("report", "run")
     assert code == 2
     assert "holds no run.json, which a log begins with; it was cut off in its beginning, or is no log of" in told
+
+
+@pytest.mark.parametrize("command", [("replay",), ("identify",), ("report",), ("log", "export", "--csv=steps.csv")])
+def test_a_log_that_is_cut_off_at_its_end_says_so_once(drawbar: Drawbar, run: RunLog, command: tuple[str, ...]) -> None:
+    file = Path("run/log.mcap")
+    whole = file.read_bytes()
+    assert "just stops" not in drawbar(*command, "run")[1]
+    file.write_bytes(whole[: len(whole) * 9 // 10])
+    code, told = drawbar(*command, "run")
+    assert code == 0, told
+    assert " ".join(told.split()).count("the log just stops: the program was killed or still runs, or the file is") == 1

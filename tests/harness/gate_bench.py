@@ -216,7 +216,7 @@ class Bench:
             self.operators.waiting.append(encode(beat))
         if self.operator:
             self.ask(Action.PRESENT)
-        return self.gate.receive(self.time)
+        return self.gate.receive(lambda: self.time)
 
     def run(self, seconds=0.0):
         """Let ticks pass: at least one."""

@@ -85,7 +85,7 @@ def test_the_tick_after_a_command_comes_between_it_and_the_next_one_and_soon_aft
 ):
     bench, ticks = Bench(), []
     receive, tick = bench.gate.receive, bench.gate.tick
-    bench.gate.receive = lambda now: receive(now) | (len(ticks) == 10 and now - ticks[-1] >= since)
+    bench.gate.receive = lambda clock: receive(clock) | (len(ticks) == 10 and clock() - ticks[-1] >= since)
     bench.gate.tick = lambda now, late: ticks.append(now) or tick(now, late)
     end_at(bench, 0.8, lambda: setattr(bench.gate.watch.troubles, "ended", True))
     loop(bench)

@@ -162,18 +162,21 @@ def test_a_refused_record_keeps_from_engaging_for_a_while():
     assert Cause.COMMAND_REFUSED.value not in bench.shown.refusals
 
 
-def test_a_command_that_comes_while_a_busy_bus_is_read_is_taken_at_the_next_look():
+@pytest.mark.parametrize("where", [("transport", "read"), ("channel", "receive")], ids=["bus", "processor"])
+def test_a_command_that_comes_while_a_busy_bus_is_read_or_the_gate_waits_for_a_processor_is_taken(where):
     bench = driving()
-    refused, read, later = bench.shown.rejects, bench.transport.read, bench.time + 0.02
+    refused, place, call = bench.shown.rejects, getattr(bench, where[0]), where[1]
+    read = getattr(place, call)
 
-    def takes_20_ms():
-        bench.transport.read = read
-        bench.channel.waiting.append(bench.command_record(time=bench.ns(later), valid_until=bench.ns(later + 0.2)))
-        return read()
+    def takes_20_ms(*arguments):
+        setattr(place, call, read)
+        bench.time += 0.02
+        times = {"time": bench.ns(bench.time), "valid_until": bench.ns(bench.time + 0.2)}
+        bench.channel.waiting.append(bench.command_record(**times))
+        return read(*arguments)
 
-    bench.transport.read = takes_20_ms
-    bench.gate.receive(bench.time)
-    assert bench.gate.receive(later), "it is taken"
+    setattr(place, call, takes_20_ms)
+    assert bench.gate.receive(lambda: bench.time), "it is taken"
     bench.run(0.1)
     assert bench.shown.rejects == refused
     assert bench.state is SupervisorState.ACTIVE
@@ -185,13 +188,13 @@ def test_a_look_is_urgent_only_while_it_steers():
     assert not bench.receive()
     bench = driving()
     assert bench.receive(), "a new command does not wait"
-    assert not bench.gate.receive(bench.time)
+    assert not bench.gate.receive(lambda: bench.time)
     for action in (Action.STOP, Action.RELEASE, Action.EMERGENCY):
         bench.ask(action)
-        assert bench.gate.receive(bench.time)
-    assert not bench.gate.receive(bench.time)
-    assert not bench.gate.receive(bench.time + 0.19)
-    assert bench.gate.receive(bench.time + 0.21), "the command has expired"
+        assert bench.gate.receive(lambda: bench.time)
+    assert not bench.gate.receive(lambda: bench.time)
+    assert not bench.gate.receive(lambda: bench.time + 0.19)
+    assert bench.gate.receive(lambda: bench.time + 0.21), "the command has expired"
     bench = driving()
     bench.channel.waiting.append(b"garbage")
     assert bench.receive()
@@ -358,7 +361,7 @@ def test_two_wires_and_their_faults_are_apart():
         [Wire(transport=b.transport, **{n: getattr(b, n)}) for b, n in ((other, "tractor"), (bench, "trailer"))],
         bench.channel, bench.operators,
     )  # fmt: skip
-    gate.receive(bench.time)
+    gate.receive(lambda: bench.time)
     gate.tick(bench.time)
     assert gate.engagement.state in (FAULT, SupervisorState.SELFTEST)
     gate.tick(bench.time + TICK)

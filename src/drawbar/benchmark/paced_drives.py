@@ -155,7 +155,7 @@ def drive(configuration: Configuration, run: Path, pace: int, seconds: float = _
             if front.state is not None and front.state.state not in states[-1:]:
                 states.append(front.state.state)
         if gone := processes.ended():
-            print(f"ended: {', '.join(gone)}: {processes.last_output()}", file=sys.stderr)
+            print(f"ended: {', '.join(gone)}: {processes.last_output(gone)}", file=sys.stderr)
             states.append(SupervisorState.FAULT)
         used, lasted = used + _processor_time(processes), clock() / pace
         front.close()

@@ -73,8 +73,8 @@ def _in_log(log: FilePath) -> "list[CalibrationResult]":
         raise ConfigurationError(f"{log}: was not recorded on a machine; give the log of a `drawbar drive`")
     with open_drive(log) as records:
         states = [each for each in records if isinstance(each, GateState) and each.steers]
-    for loss in content.losses:
-        console.print(f"{log}: {loss}", style="bold yellow", soft_wrap=True)
+    for shortcoming in content.shortcomings:
+        console.print(f"{log}: {shortcoming}", style="bold yellow", soft_wrap=True)
     drive = HandDrive.of(content)
     if len(drive.times) * recorded.sample_time < _SHORTEST:
         raise DrawbarError(f"{log}: is less than {_SHORTEST:g} s of driving; give the log of a longer drive")
@@ -200,8 +200,8 @@ def identify(log: RunLogFile) -> None:
     from drawbar.report.masts import mounting_text
 
     content = read_log(log)
-    for loss in content.losses:
-        console.print(f"{log}: {loss}", style="bold yellow", soft_wrap=True)
+    for shortcoming in content.shortcomings:
+        console.print(f"{log}: {shortcoming}", style="bold yellow", soft_wrap=True)
     recorded = recorded_configuration(content.header.configuration, [], str(log))
     steered = longest_steering(content.records)
     if len(steered) * recorded.sample_time < _SHORTEST:

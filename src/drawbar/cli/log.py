@@ -50,8 +50,8 @@ def export(
             raise DrawbarError(f"{first} {one} and {second} {other}: are one file; give each its own.")
     writers = [(target, _writer(option)) for option, target in targets]
     content = read_log(file)
-    for loss in content.losses:
-        warnings.print(f"{file}: {loss}", style="bold yellow", soft_wrap=True)
+    for shortcoming in content.shortcomings:
+        warnings.print(f"{file}: {shortcoming}", style="bold yellow", soft_wrap=True)
     for target, write in writers:
         try:
             write_whole(target, partial(write, content))

@@ -24,7 +24,7 @@ _RECONNECT = 60.0
 
 def main() -> int:
     """Serve the pages until told to end."""
-    options = ConsoleOptions.model_validate_json(sys.stdin.read())
+    options = ConsoleOptions.model_validate_json(sys.stdin.buffer.read())
     # nothing of NiceGUI's own in the folder where one happens to be, and nothing that outlives the drive
     os.environ["NICEGUI_STORAGE_PATH"] = str(Path(options.folder) / "storage")
     os.environ.setdefault("MPLBACKEND", "agg")

@@ -15,7 +15,7 @@ from drawbar.errors import DrawbarError
 from drawbar.messages import CommandMessage, ControllerState, Fixes, GateState, Message, OperatorMessage
 from drawbar.recording.encoding import decode_step, missing_to_nan
 from drawbar.recording.frames import Damage
-from drawbar.recording.log import STEP_TOPIC, reading
+from drawbar.recording.log import OUTCOME_NAME, STEP_TOPIC, Outcome, outcome_of, reading
 from drawbar.recording.stream import Logged, LoggedMessage
 from drawbar.signals import StepRecord
 from drawbar.transports.tapped import Direction
@@ -86,7 +86,7 @@ class RawBytes:
     """`address:port` of the sender of a datagram"""
 
 
-DriveRecord = StepRecord | Message | RawBytes | Happening | Damage
+DriveRecord = StepRecord | Message | RawBytes | Happening | Damage | Outcome
 
 
 def pack_raw(pieces: Iterable[RawBytes]) -> bytes:
@@ -153,6 +153,8 @@ def _drive_records(records: Iterator[Logged], file: Path) -> Iterator[DriveRecor
             yield record
         elif isinstance(record, Metadata) and record.name == CLOCK:
             offset = int(record.metadata["offset"])
+        elif isinstance(record, Metadata) and record.name == OUTCOME_NAME and (outcome := outcome_of(record.metadata)):
+            yield outcome
         elif isinstance(record, LoggedMessage):
             if offset is None:
                 raise DrawbarError(f"{file}: is no log of a drive; give the log.mcap that drawbar drive wrote")

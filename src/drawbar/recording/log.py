@@ -87,7 +87,11 @@ class Outcome:
         return cls(finished=False, reason=reason)
 
 
-_KILLED = Outcome(finished=False, reason="the log just stops: the program was killed or still runs")
+CUT_OFF = Outcome(
+    finished=False,
+    reason="the log just stops: the program was killed or still runs, or the file is not complete",
+)
+"""of a log that holds none"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,6 +105,11 @@ class RunLog:
     outcome: Outcome
     losses: tuple[str, ...] = ()
     """what of the file is damaged, and which steps are lost by that"""
+
+    @property
+    def shortcomings(self) -> tuple[str, ...]:
+        """What it lacks: its losses, and, where it was cut off, its end."""
+        return (*self.losses, self.outcome.reason) if self.outcome is CUT_OFF else self.losses
 
     @property
     def steps(self) -> int:
@@ -213,7 +222,7 @@ class _NoHeaderError(Exception):
 
 def _parts(records: Iterator[Logged]) -> LogParts:
     before = list[Damage]()
-    header, outcome, losses = None, _KILLED, Losses()
+    header, outcome, losses = None, CUT_OFF, Losses()
     for record in records:
         if isinstance(record, Damage):
             before.append(record)
@@ -234,7 +243,7 @@ def _parts(records: Iterator[Logged]) -> LogParts:
                     yield record
             elif isinstance(record, Metadata) and record.name == OUTCOME_NAME:
                 losses.end()
-                ended = _outcome(record.metadata)
+                ended = outcome_of(record.metadata)
                 outcome = ended or outcome
                 losses.texts += [] if ended else ["how the run ended is damaged"]
             elif isinstance(record, Damage):
@@ -248,7 +257,7 @@ def _parts(records: Iterator[Logged]) -> LogParts:
     return LogParts(header=decoded, steps=steps(), outcome=lambda: outcome, losses=lambda: tuple(losses.texts))
 
 
-def _outcome(metadata: Mapping[str, str]) -> Outcome | None:
+def outcome_of(metadata: Mapping[str, str]) -> Outcome | None:
     """Return how a run ended; None: that is damaged."""
     if metadata.get("finished") not in ("true", "false") or "reason" not in metadata:
         return None

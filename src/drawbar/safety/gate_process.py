@@ -59,8 +59,7 @@ def _loop(gate: Gate, settings: SafetySettings, notifier: Notifier, clock: Machi
     period, due, over, announced = settings.timing.tick, clock(), math.inf, SupervisorState.BOOT
     last = -math.inf
     while True:
-        time = clock()
-        urgent = gate.receive(time)
+        urgent, time = gate.receive(clock), clock()
         if urgent or time >= due:
             gate.tick(time, max(time - due, 0.0))
             notifier.feed(time)

@@ -5,7 +5,7 @@ Whatever goes wrong, the actuators are sent an explicit disengage, never silence
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from drawbar.messages import Action, CommandMessage, ControllerState, Heartbeat, Mode, OperatorMessage
@@ -33,7 +33,7 @@ URGENT = frozenset({Action.RELEASE, Action.STOP, Action.EMERGENCY})
 
 
 class Gate:
-    """All of the gate but its process: `receive` and `tick` are called with the monotonic time, s."""
+    """All of the gate but its process: `receive` takes the monotonic clock, `tick` its time, s."""
 
     def __init__(
         self,
@@ -56,18 +56,19 @@ class Gate:
         self._counts, self._clips_in_a_row = Counts(), 0
         self._suspended_before = suspended_time()
 
-    def receive(self, now: float) -> bool:
+    def receive(self, clock: Callable[[], float]) -> bool:
         """Take in all that has arrived; return whether to tick before it is due: a new command does not wait.
 
-        The wires come last: reading a busy bus takes a while, and what is said meanwhile would be of the future.
+        The clock is read after each channel: what is sent while this process waits for a processor is not of the
+        future.
         """
-        urgent = self._receive_controller(now) | self._receive_operators(now)
         self.wires.receive()
-        return self.engagement.steers and (urgent or not self.watch.command_valid(now))
+        urgent = self._receive_controller(clock) | self._receive_operators(clock)
+        return self.engagement.steers and (urgent or not self.watch.command_valid(clock()))
 
-    def _receive_controller(self, now: float) -> bool:
+    def _receive_controller(self, clock: Callable[[], float]) -> bool:
         most, refused, commanded = self._settings.envelope.flood, 0, False
-        records = self.controller.receive(most + 1)
+        records, now = self.controller.receive(most + 1), clock()
         for record in records[:most]:
             message = decode(record, CommandMessage, ControllerState)
             if isinstance(message, CommandMessage) and self._envelope.repeats(message):
@@ -98,9 +99,9 @@ class Gate:
         # while it is eased a command is limited because that is what easing is
         self._clips_in_a_row = self._clips_in_a_row + 1 if limited.clipped and not eased else 0
 
-    def _receive_operators(self, now: float) -> bool:
-        urgent = False
-        for record, sender in self.channel.receive(MOST):
+    def _receive_operators(self, clock: Callable[[], float]) -> bool:
+        urgent, records, now = False, self.channel.receive(MOST), clock()
+        for record, sender in records:
             message = decode(record, OperatorMessage, Heartbeat)
             if isinstance(message, OperatorMessage):
                 self.channel.subscribe(sender)

@@ -160,7 +160,7 @@ def test_a_drive_far_from_the_line_is_reported_with_settings_that_estimate_there
     assert changed.sanity.lost > changed.guidance.maximum_start_distance > 500.0
 
     told = []
-    content = SimpleNamespace(header=SimpleNamespace(configuration={}), records=(), losses=())
+    content = SimpleNamespace(header=SimpleNamespace(configuration={}), records=(), shortcomings=())
     monkeypatch.setattr("drawbar.recording.log.read_log", lambda log: content)
     monkeypatch.setattr("drawbar.config.recorded_configuration", lambda *_: machine)
     monkeypatch.setattr("drawbar.recording.drive_records.open_drive", lambda log: nullcontext([]))
@@ -265,7 +265,7 @@ def sets(changes):
 def test_a_log_that_was_cut_short_is_refused_and_what_it_lost_is_said(steps, machine, monkeypatch, tmp_path):
     """Fewer steps than a second has ended in a traceback."""
     told = []
-    content = SimpleNamespace(header=SimpleNamespace(configuration={}), records=(), losses=("it just stops",))
+    content = SimpleNamespace(header=SimpleNamespace(configuration={}), records=(), shortcomings=("it just stops",))
     monkeypatch.setattr("drawbar.recording.log.read_log", lambda log: content)
     monkeypatch.setattr("drawbar.config.recorded_configuration", lambda *_: machine)
     monkeypatch.setattr("drawbar.recording.drive_records.open_drive", lambda log: nullcontext([]))

@@ -3,6 +3,7 @@
 import os
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -14,9 +15,11 @@ import pytest
 from patience import ENGAGE, PATIENT
 
 from drawbar.cli.drive import NO_KEYS
+from drawbar.config import load_configuration
 from drawbar.driving.messaging.process_options import RECEIVERS
 from drawbar.driving.operator.terminal import TAKE_OVER
 from drawbar.driving.processes.drive_processes import LOSSES
+from drawbar.driving.stand_in.demonstration import with_stand_ins
 from drawbar.messages import SupervisorState
 from drawbar.recording.drive_events import Became, drive_events
 from drawbar.recording.log import read_log
@@ -124,6 +127,15 @@ def test_a_drive_that_reads_no_keys_says_so_where_they_are_needed(tmp_path, opti
     assert (NO_KEYS in ended.stdout) is told, ended.stdout
 
 
+def test_a_folder_with_umlauts_and_blanks_is_recorded_into_where_text_is_not_utf_8(tmp_path):
+    """The processes were told what to do in UTF-8, and read it as what the terminal has."""
+    command = [sys.executable, "-m", "drawbar", "drive", "--by-hand", "--seconds", "1", "--out", "Feld für heute/ö 1"]
+    surroundings = {**os.environ, "PYTHONIOENCODING": "latin-1"}
+    ended = subprocess.run(command, capture_output=True, cwd=tmp_path, timeout=ENGAGE, env=surroundings, check=False)
+    assert ended.returncode == 0, ended.stdout
+    assert read_log(tmp_path / "Feld für heute" / "ö 1" / "log.mcap").records
+
+
 @pytest.mark.parametrize(
     "terminal", [[f"--set={change}" for change in (*PATIENT, "safety.timing.recorder=5.0")]], indirect=True
 )
@@ -163,3 +175,26 @@ def test_receivers_that_are_killed_stop_the_vehicle_before_the_steering_is_relea
     assert TAKE_OVER in terminal.shown  # nobody tells any more whether it stands
     states = [each.state for each in drive_events(tmp_path / "run" / "log.mcap") if isinstance(each, Became)]
     assert states[-3:] == [SupervisorState.STOPPING, SupervisorState.STOPPED, SupervisorState.FAULT]
+
+
+@pytest.mark.parametrize(
+    ("device", "key", "scheme", "process"),
+    [("tractor_board", "listen", "", "gate"), ("trailer_receiver", "transport", "udp://", "receivers")],
+)
+def test_a_port_that_another_program_has_is_one_error_and_no_drive(tmp_path, device, key, scheme, process):
+    """It was a drive of 0 s, with its report."""
+    configuration = with_stand_ins(load_configuration("articulated"))
+    devices, file = configuration.devices, tmp_path / "machine.toml"
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+        other.bind(("0.0.0.0", 0))
+        port = other.getsockname()[1]
+        place = getattr(devices, device).model_copy(update={key: f"{scheme}0.0.0.0:{port}"})
+        changed = configuration.model_copy(update={"devices": devices.model_copy(update={device: place})})
+        file.write_text(changed.to_toml(), "utf-8")
+        command = [sys.executable, "-m", "drawbar", "drive", str(file), "--out", "run"]
+        ended = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, cwd=tmp_path)
+    assert ended.returncode == 2, ended.stdout
+    said = " ".join(ended.stderr.split())
+    assert said.startswith(f"error: the {process} process did not start: port {port} is taken: another program listens")
+    assert not ended.stdout
+    assert not (tmp_path / "run" / "report.html").exists()

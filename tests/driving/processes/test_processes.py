@@ -160,7 +160,16 @@ def test_a_disk_that_fills_while_driving_costs_the_record_only_and_that_is_repor
 def test_a_process_that_dies_without_a_word_on_a_full_disk_is_explained(tmp_path, monkeypatch, free, words):
     monkeypatch.setattr(drive_processes.shutil, "disk_usage", lambda folder: SimpleNamespace(free=free))
     processes = DriveProcesses(with_stand_ins(load_configuration("articulated")), tmp_path, stand_ins=True)
-    assert re.search(words, processes.last_output())
+    assert re.search(words, processes.last_output(["gate"]))
+    processes.close()
+
+
+def test_what_others_warn_of_is_no_reason_why_a_process_ended(tmp_path):
+    processes = DriveProcesses(with_stand_ins(load_configuration("articulated")), tmp_path, stand_ins=True)
+    processes.by_name |= dict.fromkeys(("gate", "receivers"))
+    os.write(processes._output.descriptor, b"receivers: the line is lost\ngate: not locked\nport 9999 is taken\n")
+    assert processes.last_output(["gate"]) == "gate: not locked / port 9999 is taken"
+    processes.by_name.clear()
     processes.close()
 
 

@@ -29,7 +29,7 @@ from drawbar.nanoseconds import seconds
 from drawbar.recompute import Comparison, Replay
 from drawbar.recording.drive_records import DriveRecord, Happening, Kind, RawBytes, open_drive
 from drawbar.recording.frames import Damage
-from drawbar.recording.log import RunHeader, open_log
+from drawbar.recording.log import CUT_OFF, Outcome, RunHeader, open_log
 from drawbar.signals import StepRecord
 from drawbar.transports.tapped import Direction
 
@@ -102,6 +102,7 @@ class _Recorded:
         self._states: dict[int, GateState] = {}
         self.damage: Damage | None = None
         """behind which nothing can be recomputed"""
+        self.outcome = CUT_OFF
         for record in records:
             if isinstance(record, Damage):
                 self.damage = record
@@ -117,8 +118,17 @@ class _Recorded:
             self.commands[record.sequence] = record
         elif isinstance(record, StepRecord):
             self.steps.append(record)
+        elif isinstance(record, Outcome):
+            self.outcome = record
         elif isinstance(record, Happening) and record.kind is not Kind.LOOK:
             self.order.append(record)
+
+    @property
+    def cut(self) -> str:
+        """Why it cannot be recomputed to the end of the drive; empty: it can."""
+        if self.damage is not None:
+            return str(self.damage)
+        return self.outcome.reason if self.outcome is CUT_OFF else ""
 
     def state(self, sequence: int) -> GateState:
         """Return a state of the gate."""
@@ -151,10 +161,9 @@ class _Controller:
 
     def run(self, again: dict[int, Fixes]) -> Replay:
         """Do all of it with these fixes, by sequence, and compare."""
-        damage = self._recorded.damage
         with suppress(EndOfMeasurements):
             self._do(again)
-        return self._comparison.replay(self._steps, cut="" if damage is None else str(damage))
+        return self._comparison.replay(self._steps, cut=self._recorded.cut)
 
     def _do(self, again: dict[int, Fixes]) -> None:
         for each in self._recorded.order:

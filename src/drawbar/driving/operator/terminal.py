@@ -82,14 +82,16 @@ class Terminal:
         self._lost = lost
         if not self._spared() >= set(lost):
             ended = ", ".join(f"{name} ({self._processes.how_ended(name)})" for name in lost)
-            self._console.print(f"ended: {ended}: {self._processes.last_output()}", style="bold red", soft_wrap=True)
+            self._console.print(
+                f"ended: {ended}: {self._processes.last_output(lost)}", style="bold red", soft_wrap=True
+            )
             if self._front.drove and not stands(self._front.controller):
                 self._console.print(TAKE_OVER, style="bold reverse red")
             return False
         for name in set(lost).difference(before):
             with suppress(OSError):
                 self._console.print(
-                    f"{LOSSES[name]}: {self._processes.last_output()}", style="bold red", soft_wrap=True
+                    f"{LOSSES[name]}: {self._processes.last_output([name])}", style="bold red", soft_wrap=True
                 )
         return True
 

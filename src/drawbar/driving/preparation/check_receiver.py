@@ -9,7 +9,7 @@ from drawbar.machine.hardware.corrections.corrections import Corrections
 from drawbar.machine.hardware.corrections.receivers import correct
 from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.hardware.receiver import Receiver, ReceiverSettings
-from drawbar.protocols.gnss.checks import resolution
+from drawbar.protocols.gnss.checks import resolution, too_slow
 from drawbar.protocols.gnss.epoch import Epoch
 from drawbar.protocols.gnss.firmware import ASK_UBX, firmware
 from drawbar.protocols.gnss.framing import Framer
@@ -23,8 +23,6 @@ from drawbar.transports.base import Received, Transport
 from drawbar.transports.open import open_transport
 from drawbar.transports.tapped import Direction, TappedTransport
 
-_ENOUGH = 0.95
-"""of the epochs that the controller takes"""
 _STATIONS = frozenset(range(1, 4096))
 """numbers of base stations; 0 is also sent where it is not known"""
 _UBX_KINDS = frozenset(name for name, _, _ in UBX.values())
@@ -105,11 +103,7 @@ def _describe(finding: Finding, epochs: list[Epoch], frame: LocalFrame, receiver
     rate = (len(epochs) - 1) / span if span > 0.0 else math.nan
     rate_text = f"{rate:.1f} Hz, " if math.isfinite(rate) else ""
     finding.facts.append(f"{rate_text}{', '.join(sorted(receiver.kinds))}")
-    if rate < _ENOUGH / sample_time:
-        needed = f"{1.0 / sample_time:g}"
-        finding.problems.append(
-            f"it sends {rate:.1f} epochs a second, the controller takes {needed}: set it to {needed} Hz"
-        )
+    finding.problems += filter(None, [too_slow(rate, sample_time)])
     finding.facts.append(f"fix {last.quality.name.lower()}, deviation {max(last.sigma_east, last.sigma_north):.3f} m")
     if math.isfinite(last.correction_age):
         source = f" of station {last.station}" if last.station in _STATIONS else ""

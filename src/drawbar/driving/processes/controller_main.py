@@ -36,7 +36,7 @@ _LOOK = 1_000_000_000
 
 def main() -> int:
     """Run the control loop until told to end, or until the gate is gone."""
-    options = ProcessOptions.model_validate_json(sys.stdin.read())
+    options = ProcessOptions.model_validate_json(sys.stdin.buffer.read())
     gate = socket.socket(fileno=int(sys.argv[1]))
     gate.setblocking(False)
     configuration, clock = load_configuration(options.configuration), options.clock

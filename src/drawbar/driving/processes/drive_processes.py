@@ -8,7 +8,7 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -168,17 +168,21 @@ class DriveProcesses:
         end = time.monotonic() + _STARTING
         while not os.path.exists(self.options.socket(path)):
             if self.by_name[name].poll() is not None or time.monotonic() > end:
-                raise HardwareError(f"the {name} process did not start: {self.last_output()}")
+                raise HardwareError(f"the {name} process did not start: {self.last_output([name])}")
             time.sleep(0.01)
 
     def output(self) -> list[str]:
         """Return the lines that the processes have written."""
         return self._output.text.strip().splitlines()
 
-    def last_output(self) -> str:
-        """Return the last lines that the processes have written; where there is no room for any, that."""
-        if lines := self.output()[-4:]:
-            return " / ".join(lines)
+    def last_output(self, ended: Collection[str]) -> str:
+        """Return the last lines that processes have written which have ended; where there is no room for any, that.
+
+        A warning begins with its process's name; what an error says does not.
+        """
+        others = self.by_name.keys() - set(ended)
+        if lines := [line for line in self.output() if line.partition(": ")[0] not in others]:
+            return " / ".join(lines[-4:])
         free = shutil.disk_usage(self._run).free if self._run.exists() else math.inf
         if free < _ROOM:
             return f"the disk of {self._run} is full: make room, or choose another folder by --out"

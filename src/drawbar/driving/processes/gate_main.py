@@ -19,11 +19,11 @@ from drawbar.safety.machine_gate import Gate
 
 def main() -> int:
     """Open the actuators and run the gate; return its exit code."""
-    options = GateOptions.model_validate_json(sys.stdin.read())
+    options = GateOptions.model_validate_json(sys.stdin.buffer.read())
     folder = Path(options.folder)
     listeners = (*(str(folder / name) for name in (GUARD, RECORDER)), options.driver or str(folder / DRIVER))
-    operators = OperatorChannel(open_operator_socket(str(folder / GATE)), listeners)
     wires = gate_wires(options)
+    operators = OperatorChannel(open_operator_socket(str(folder / GATE)), listeners)  # only now: it shows that it runs
     for body, descriptor in board_sockets(wires, options):
         pass_socket(str(folder / BOARDS), body, descriptor)
     gate = Gate(

@@ -62,7 +62,7 @@ class Guard:
 
 def main() -> int:
     """Guard until told to end, but not while the gate steers or its silence is being answered."""
-    options = GateOptions.model_validate_json(sys.stdin.read())
+    options = GateOptions.model_validate_json(sys.stdin.buffer.read())
     guard, shutdown, clock = Guard(options.safety.timing), ShutdownRequest(), options.clock
     folder, wires = Path(options.folder), dict[str, socket.socket]()
     receiver, endpoint = SocketReceiver(str(folder / BOARDS)), Endpoint(str(folder / GUARD))

@@ -4,8 +4,9 @@
 """
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import partial
+from itertools import chain
 
 from drawbar.config import load_configuration
 from drawbar.driving.devices.path_frame import local_frame
@@ -25,6 +26,7 @@ from drawbar.driving.messaging.process_options import (
 from drawbar.driving.processes.corrections_relay import CorrectionsRelay
 from drawbar.driving.processes.input_recorder import InputRecorder
 from drawbar.driving.processes.shutdown import ShutdownRequest, run_program
+from drawbar.machine.hardware.device_news import LineNews, ReceiverNews
 from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.hardware.navigation import Navigation
 from drawbar.machine.hardware.receiver import Receiver
@@ -32,7 +34,6 @@ from drawbar.machine.hardware.sensor_line import SensorLine
 from drawbar.messages import Fixes, Role
 from drawbar.messages.records import encode
 from drawbar.nanoseconds import seconds
-from drawbar.protocols.gnss.assembly import SPOOFED
 from drawbar.realtime import prepare, say, step_back_when_busy
 from drawbar.transports.open import open_transport
 
@@ -48,24 +49,27 @@ _ASK_AGAIN = 0.05
 
 def main() -> int:
     """Read the receivers until told to end."""
-    options = ProcessOptions.model_validate_json(sys.stdin.read())
+    options = ProcessOptions.model_validate_json(sys.stdin.buffer.read())
     configuration = load_configuration(options.configuration)
     devices = configuration.devices
     assert devices is not None
-    endpoint = Endpoint(options.socket(RECEIVERS))
     clock = options.clock
-    inputs = InputRecorder(endpoint, options.socket(RECORDER), clock)
     lines = open_receivers(devices, options.socket(SENTENCES), clock)
+    sensor_line = open_transport(devices.sensors.transport, clock) if devices.sensors is not None else None
+    endpoint = Endpoint(options.socket(RECEIVERS))  # only now: it shows that the process runs
+    inputs = InputRecorder(endpoint, options.socket(RECORDER), clock)
     receivers = [
         Receiver(inputs.tap(line, device), settings)
         for line, (device, settings) in zip(lines, receiver_settings(devices).items(), strict=True)
     ]
-    sensors = _sensors(devices, inputs)
+    sensors = None
+    if devices.sensors is not None and sensor_line is not None:
+        sensors = SensorLine(inputs.tap(sensor_line, Device.SENSORS), devices.sensors)
     navigation = Navigation(receivers, local_frame(configuration), sensors)
     heartbeat, shutdown = HeartbeatSender(Role.RECEIVERS, endpoint, options.socket(GATE)), ShutdownRequest()
     show = partial(endpoint.send, options.socket(CONSOLE))
     corrections = CorrectionsRelay(devices.corrections, receivers, clock, show) if devices.corrections else None
-    spoofed = set[Device]()
+    of_devices = _news(devices, receivers, sensors, configuration.sample_time)
     for word in prepare(max(configuration.safety.timing.priority - _BELOW_THE_GATE, 0)):
         say(f"receivers: {word}")
     step_back_when_busy(_BUSY, "receivers: bytes come faster than they can be read")
@@ -75,8 +79,8 @@ def main() -> int:
         found = navigation.poll(seconds(now))
         inputs.note_look(now, was_due=was_due, found=bool(found))
         _send(found, endpoint, options)
-        if found:
-            _tell_spoofing(dict(zip(receiver_settings(devices), receivers, strict=True)), spoofed)
+        for word in chain.from_iterable(device.update() for device in of_devices):
+            say(f"receivers: {word}")
         heartbeat.pass_time(now)
         if corrections is not None:
             corrections.update()
@@ -99,21 +103,15 @@ def _send(found: Sequence[Fixes], endpoint: Endpoint, options: ProcessOptions) -
         endpoint.send_queued(options.socket(RECORDER), record)
 
 
-def _tell_spoofing(receivers: Mapping[Device, Receiver], told: set[Device]) -> None:
-    """Report once of each receiver that it takes its signals for false ones."""
-    for device, receiver in receivers.items():
-        if device not in told and receiver.dropped[SPOOFED]:
-            told.add(device)
-            name = device.topic.replace("_", " ")
-            say(f"{name}: it reports false satellite signals (spoofing), and counts as without a fix")
-
-
-def _sensors(devices: DeviceSettings, inputs: InputRecorder) -> SensorLine | None:
-    if devices.sensors is None:
-        return None
-    return SensorLine(
-        inputs.tap(open_transport(devices.sensors.transport, inputs.clock), Device.SENSORS), devices.sensors
-    )
+def _news(
+    devices: DeviceSettings, receivers: Sequence[Receiver], sensors: SensorLine | None, sample_time: float
+) -> list[LineNews | ReceiverNews]:
+    """Return what reports to the operator how the devices are."""
+    news: list[LineNews | ReceiverNews] = [] if sensors is None else [LineNews("sensor board", sensors.transport)]
+    for device, receiver in zip(receiver_settings(devices), receivers, strict=True):
+        name = device.topic.replace("_", " ")
+        news += [LineNews(name, receiver.transport), ReceiverNews(name, receiver, sample_time)]
+    return news
 
 
 if __name__ == "__main__":

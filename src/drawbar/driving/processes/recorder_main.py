@@ -35,7 +35,7 @@ _NICENESS = -10
 
 def main() -> int:
     """Write until told to end."""
-    options = ProcessOptions.model_validate_json(sys.stdin.read())
+    options = ProcessOptions.model_validate_json(sys.stdin.buffer.read())
     shutdown, clock = ShutdownRequest(), options.clock
     configuration = load_configuration(options.configuration)
     live = _live(options.live)

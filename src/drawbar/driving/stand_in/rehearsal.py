@@ -195,7 +195,7 @@ class Rehearsal:
                 self._obey(body)(OFF)
 
     def _run_gate(self) -> None:
-        urgent = self.gate.receive(self.time)
+        urgent = self.gate.receive(lambda: self.time)
         if urgent or self.time >= self._due:
             self.gate.tick(self.time, max(self.time - self._due - seconds(STEP), 0.0))
             self._due = next_tick(self.time, self._tick, self.time - self._ticked, urgent=urgent)

@@ -94,7 +94,7 @@ def _driver_endpoint(options: ProcessOptions, configuration: Configuration) -> E
 
 def main() -> int:
     """Be the machine of the options on standard input."""
-    return serve(ProcessOptions.model_validate_json(sys.stdin.read()))
+    return serve(ProcessOptions.model_validate_json(sys.stdin.buffer.read()))
 
 
 def serve(
