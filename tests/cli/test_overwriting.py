@@ -54,7 +54,7 @@ def test_a_recorded_line_is_not_replaced_by_its_table(tmp_path):
 @pytest.fixture
 def export(tmp_path, monkeypatch):
     """Return a function that exports a log as CSV by a writer; its refusal."""
-    monkeypatch.setattr("drawbar.recording.log.read_log", lambda file: SimpleNamespace(losses=()))
+    monkeypatch.setattr("drawbar.recording.log.read_log", lambda file: SimpleNamespace(shortcomings=()))
 
     def export(writer, target):
         monkeypatch.setattr("drawbar.recording.table.write_csv", writer)

@@ -220,7 +220,7 @@ def test_a_recorded_line_of_two_kilometres_becomes_its_path(library: SingleAutop
     x = np.arange(0.0, 2000.0, 0.7)
     points = np.round(np.column_stack([x, 8.0 * np.sin(x / 30.0)]), 2)
     limits = (0.3, 0.3, 0.05)
-    line = RecordedLine(name="line", x=points[:, 0], y=points[:, 1], frame=None, repeated=0)
+    line = RecordedLine(name="line", x=points[:, 0], y=points[:, 1], frame=None)
     expected = make_drivable(line, LineLimits(curvature=limits[0], curvature_rate=limits[1], tolerance=limits[2]))
     status, taken, nodes = library.line(points + away, limits)
     assert (status, taken) == (0, Status.OK)

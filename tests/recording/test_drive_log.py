@@ -17,7 +17,7 @@ from drawbar.messages.records import encode
 from drawbar.recording.drive_log import DriveLog
 from drawbar.recording.drive_records import Happening, Kind, Order, RawBytes, is_drive, open_drive
 from drawbar.recording.header import run_header
-from drawbar.recording.log import read_log
+from drawbar.recording.log import Outcome, read_log
 from drawbar.recording.recorder import Recorder
 from drawbar.recording.scene import Scene
 from drawbar.recording.schema import json_schema
@@ -56,7 +56,8 @@ def test_what_was_recorded_of_a_drive_is_read_again(tmp_path):
     with open_drive(tmp_path / "log.mcap") as records:
         read = list(records)
     assert read[:4] == [*raw, look, look]
-    assert len(read) == 5
+    assert len(read) == 6
+    assert isinstance(read[5], Outcome)
     assert encode(read[4]) == encode(state)
     with (tmp_path / "log.mcap").open("rb") as stream:
         topics = Counter(channel.topic for _, channel, _ in make_reader(stream).iter_messages())
