@@ -64,6 +64,18 @@ def test_positions_that_both_antennas_contradict_are_left_out_while_engaged():
     assert found.without_excluded(SEEN) == SEEN
 
 
+def test_an_estimate_that_goes_astray_has_followed_the_trailers_sensors_and_if_it_does_again_the_front_wheels():
+    found = FaultExclusion(SanitySettings(), VehicleParameters(), 0.2)
+    found.update(step(), engaged=True, astray=True)
+    assert found.excludes_trailer
+    assert not found.steering_contradicts
+    found.update(step(), engaged=True)
+    assert found.excludes_trailer
+    assert not found.steering_contradicts
+    found.update(step(), engaged=True, astray=True)
+    assert found.steering_contradicts
+
+
 def test_positions_that_drift_are_left_out_while_engaged():
     found = FaultExclusion(SanitySettings(), VehicleParameters(), 0.2)
     found.update(step(), engaged=True, moved=True)

@@ -151,6 +151,24 @@ def test_one_false_epoch_is_no_jump_and_neither_is_one_antenna_or_a_gap():
     assert not any(jumped(drift, when, aside=(3.0, 3.0)) for when in times(14.0, 11.6))
 
 
+def test_positions_fit_the_velocities_where_they_neither_drift_nor_jump_and_are_known():
+    drift = PositionDrift()
+    assert heard(drift, times(1.0)) is None
+    assert not drift.tractor_fits, "too little is known"
+    assert heard(drift, times(5.0, 1.0)) is None
+    assert drift.tractor_fits
+    for time in times(6.4, 5.0):
+        drift.receive_fixes(epoch(time, aside=(0.3 * (time - 5.0), 0.0)))
+    assert not drift.tractor_fits
+    jumped, drift = PositionDrift(), PositionDrift()
+    heard(jumped, times(5.0))
+    heard(jumped, times(6.0, 5.0), aside=(1.0, 0.0))
+    assert not jumped.tractor_fits
+    heard(drift, times(5.0))
+    drift.receive_fixes(epoch(5.0, tractor_quality=int(FixQuality.FLOAT)))
+    assert not drift.tractor_fits
+
+
 def test_the_only_antenna_that_is_known_jumps_alone():
     drift = PositionDrift()
     assert heard(drift, times(5.0), trailer_x=math.nan) is None

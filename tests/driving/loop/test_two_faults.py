@@ -34,7 +34,7 @@ def sample(time, aside):
 
 def step(measurement, hitch):
     estimate = SimpleNamespace(
-        hitch_angle=hitch, trailer_steering=0.0, status=SolverStatus.SOLVED,
+        time=1.0 + measurement.time, hitch_angle=hitch, trailer_steering=0.0, status=SolverStatus.SOLVED, speed=SPEED,
         tractor_fix=FixStatus.ACCEPTED, trailer_fix=FixStatus.ACCEPTED,
         tractor=SimpleNamespace(x=measurement.tractor_x, y=measurement.tractor_y, yaw=0.0), trailer=AT,
         longitudinal_slip=1.0, tractor_slip=1.0, steering_offset=0.0, tractor_crab=0.0, trailer_crab=0.0,

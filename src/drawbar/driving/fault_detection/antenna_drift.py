@@ -53,6 +53,8 @@ class AntennaDrift:
         self._jumped = math.nan
         self.is_known = False
         """the newest epoch has its position"""
+        self.ratio = math.nan
+        """cross-track error over the limit at which that of both antennas is a contradiction, NaN: not known"""
 
     @property
     def jumped(self) -> float:
@@ -88,11 +90,11 @@ class AntennaDrift:
         return self._anchor.x + now[0] - before[0], self._anchor.y + now[1] - before[1]
 
     def add(self, time: float, x: float, y: float, velocity: tuple[float, float]) -> float:
-        """Add an epoch; its position is NaN where it has no fixed solution.
+        """Add an epoch; its position is NaN where it has no fixed solution. Return the ratio."""
+        self.ratio = self._add(time, x, y, velocity)
+        return self.ratio
 
-        Returns:
-            Cross-track error over the limit at which that of both is a contradiction; NaN where not known.
-        """
+    def _add(self, time: float, x: float, y: float, velocity: tuple[float, float]) -> float:
         continues = self._integral.add(time, velocity)
         last, was_known = self._window.newest, self.is_known
         self.is_known = math.isfinite(x + y + sum(velocity))

@@ -102,8 +102,15 @@ class FaultExclusion:
         """Whether the measurements of the trailer are excluded."""
         return self._trailer >= CONFIRMED
 
-    def update(self, record: StepRecord, *, engaged: bool, moved: bool = False) -> None:
-        """Update with a step, and whether positions drift or have jumped; what is excluded while engaged stays so."""
+    def update(self, record: StepRecord, *, engaged: bool, moved: bool = False, astray: bool = False) -> None:
+        """Update with a step; what is excluded while engaged stays so.
+
+        Args:
+            record: of the step.
+            engaged: the vehicle is steered.
+            moved: positions drift or have jumped.
+            astray: the estimate moves in another direction than the tractor's antenna.
+        """
         hitch, joint = _residuals(record)
         self._residuals.append((hitch, joint))
         moves = abs(record.measurement.speed) >= MOVES
@@ -113,8 +120,9 @@ class FaultExclusion:
         contradicted |= self._reversed.update(measured, simulated)
         contradiction = self._angles.update(measured, simulated, self._turning.update(record))
         wrong_wheels = contradiction is Contradiction.FRONT_WHEELS or self._turning.is_large
-        self.steering_contradicts = wrong_wheels and not self.excludes_trailer  # by which the estimated yaw changes
-        contradicted |= contradiction is Contradiction.TRAILER
+        # once the trailer is excluded the estimated yaw changes; if it goes astray again, the front wheels lead it
+        self.steering_contradicts = astray if self.excludes_trailer else wrong_wheels
+        contradicted |= contradiction is Contradiction.TRAILER or astray
         contradicted |= self._stuck.update(measured, record.estimate.hitch_angle, simulated, moves=moves)
         if not (engaged and self.excludes_trailer):
             self._trailer = CONFIRMED if contradicted else self._trailer + 1 if abs(hitch) > self._hitch_limit else 0

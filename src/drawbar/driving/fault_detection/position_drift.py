@@ -35,6 +35,8 @@ _SINGLE = 1.4
 """times the limit, which the error of the only one that is known exceeds"""
 _LONE, _APART = 1.5, 0.9
 """times that of the longer time, which the error of one alone exceeds; of one that is apart from the other, too"""
+_FITS = 0.5
+"""of the limit, below which positions fit the velocities"""
 _CONTRADICTIONS = 2
 """epochs in a row that make a drift"""
 
@@ -57,6 +59,11 @@ class PositionDrift:
 
     def _is_recent(self, jumped: float) -> bool:
         return self._time - jumped <= _JUMP_TIME
+
+    @property
+    def tractor_fits(self) -> bool:
+        """Whether the tractor's positions have followed its velocities lately."""
+        return abs(self._tractor.ratio) < _FITS and not self._is_recent(self._tractor.jumped)
 
     @property
     def is_detected(self) -> bool:

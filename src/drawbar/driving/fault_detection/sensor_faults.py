@@ -12,6 +12,7 @@ from drawbar.config import Configuration
 from drawbar.driving.fault_detection.antenna_distance import AntennaDistance
 from drawbar.driving.fault_detection.antennas_apart import AntennasApart
 from drawbar.driving.fault_detection.contradicting_speeds import ContradictingSpeeds
+from drawbar.driving.fault_detection.course_error import CourseError
 from drawbar.driving.fault_detection.fault_exclusion import FaultExclusion
 from drawbar.driving.fault_detection.mirrored_steering import MirroredSteering
 from drawbar.driving.fault_detection.notices import Notices
@@ -35,6 +36,7 @@ class SensorFaults:
         self.exclusion = FaultExclusion(configuration.sanity, vehicle, sample_time)
         self._drift, self._swapped, self._speeds = PositionDrift(), SwappedReceivers(), ContradictingSpeeds()
         self._mirrored = MirroredSteering(vehicle, sample_time)
+        self._course = CourseError(vehicle.masts.tractor.forward, sample_time)
         self._apart = AntennasApart(vehicle.masts, sample_time)
         self._distance = AntennaDistance(vehicle, sample_time)
         self._yaw_rate = WrongYawRate(autopilot)
@@ -66,6 +68,7 @@ class SensorFaults:
         hitch_contradicts: the run has ended as the hitch angle contradicts the motion.
         """
         self._drift.receive_fixes(fixes)
+        self._course.receive_fixes(fixes)
         self._notices.receive_fixes(fixes)
         self._swapped.receive_fixes(fixes)
         self._speeds.receive_fixes(fixes)
@@ -93,10 +96,18 @@ class SensorFaults:
             How the measurements of the last samples are to be changed before these are computed again; None: as they
             are, nothing new is excluded.
         """
+        change = self._update(record, engaged=engaged)
+        if change is not None:
+            self._course.clear()
+        return change
+
+    def _update(self, record: StepRecord, *, engaged: bool) -> Change | None:
         before = self.exclusion.excludes_trailer
         self._jumped = engaged and (self._jumped or self._drift.has_jumped)
         drifts, yaw_rate_is_wrong = self._drifts(record), self._yaw_rate.update()
-        self.exclusion.update(record, engaged=engaged, moved=drifts or self._jumped)
+        self._course.update(record)
+        astray = self._course.is_large and self._drift.tractor_fits
+        self.exclusion.update(record, engaged=engaged, moved=drifts or self._jumped, astray=astray)
         if not engaged:
             self.dead_reckons = False
             return None
