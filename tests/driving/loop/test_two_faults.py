@@ -9,6 +9,9 @@ from ordinary import measured
 
 from drawbar.config import load_configuration
 from drawbar.driving.fault_detection.confirmation import CONFIRMED
+from drawbar.driving.fault_detection.course_error import CourseError
+from drawbar.driving.fault_detection.position_drift import PositionDrift
+from drawbar.driving.fault_detection.sensor_faults import SensorFaults
 from drawbar.driving.loop.control_loop import ControlLoop
 from drawbar.driving.loop.controller import Controller
 from drawbar.messages import Fixes
@@ -165,3 +168,13 @@ def test_by_how_much_the_antennas_are_apart_decides_on_a_slow_drift_of_one(drive
     )  # the trailer's is to the right of its estimate, the tractor's is not
     assert told[0] == 0.0
     assert told[-1] > 1.0
+
+
+@pytest.mark.parametrize("swapped", [False, True])
+def test_an_estimate_is_not_astray_beside_the_course_of_the_other_antenna(monkeypatch, swapped):
+    monkeypatch.setattr(CourseError, "is_large", property(lambda error: True))
+    monkeypatch.setattr(PositionDrift, "tractor_fits", property(lambda drift: True))
+    monkeypatch.setattr(SensorFaults, "receivers_are_swapped", property(lambda faults: swapped))
+    drive = Drive(monkeypatch)
+    drive.pass_epochs(0.0, 1.0, lambda time: 0.0)
+    assert drive.exclusion.excludes_trailer is not swapped

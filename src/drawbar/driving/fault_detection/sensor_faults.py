@@ -106,7 +106,7 @@ class SensorFaults:
         self._jumped = engaged and (self._jumped or self._drift.has_jumped)
         drifts, yaw_rate_is_wrong = self._drifts(record), self._yaw_rate.update()
         self._course.update(record)
-        astray = self._course.is_large and self._drift.tractor_fits
+        astray = self._course.is_large and self._drift.tractor_fits and not self.receivers_are_swapped
         self.exclusion.update(record, engaged=engaged, moved=drifts or self._jumped, astray=astray)
         if not engaged:
             self.dead_reckons = False
