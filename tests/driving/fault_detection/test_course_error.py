@@ -75,6 +75,16 @@ def test_slow_or_late_epochs_say_nothing():
     assert found(lambda t: 90.0, late=1.5) == math.inf
 
 
+def test_where_there_is_no_estimate_nothing_is_kept():
+    """A run that has ended leaves none, for as long as nobody begins the next."""
+    error, nan = CourseError(0.0, 0.2), math.nan
+    for k in range(100):
+        time = nan if k >= 20 else 0.2 * k
+        pose = SimpleNamespace(yaw=time)
+        error.update(SimpleNamespace(estimate=SimpleNamespace(time=time, tractor=pose, tractor_crab=time, speed=time)))
+    assert not error._estimates
+
+
 def test_what_is_computed_again_is_judged_anew():
     error = CourseError(0.0, 0.2)
     error._in_a_row = 3

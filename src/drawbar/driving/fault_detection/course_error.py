@@ -1,7 +1,7 @@
 """Course error: the tractor's antenna moves in another direction than the estimate says.
 
 A receiver finds its velocity from the carrier's Doppler shift, apart from its positions. Where both agree and the
-estimate does not, as its fixes are rejected, it has followed a wrong angle: it is the estimate that is astray.
+estimate does not, the estimate is astray: it has followed a wrong angle, and rejects correct fixes.
 """
 
 import math
@@ -45,7 +45,7 @@ class CourseError:
         return abs(self._in_a_row) >= _EPOCHS
 
     def clear(self) -> None:
-        """Forget the estimates: they are computed again."""
+        """Forget the estimates: they are computed again, or there are none."""
         self._estimates.clear()
         self._in_a_row = 0
 
@@ -57,6 +57,9 @@ class CourseError:
     def update(self, record: StepRecord) -> None:
         """Update with a step."""
         estimate, (time, course) = record.estimate, self._epoch
+        if not math.isfinite(estimate.time):  # there is none
+            self.clear()
+            return
         self._add(estimate.time, estimate.tractor.yaw, estimate.tractor_crab, estimate.speed)
         if not math.isfinite(time):
             return

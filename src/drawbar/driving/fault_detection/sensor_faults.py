@@ -102,6 +102,7 @@ class SensorFaults:
         return change
 
     def _update(self, record: StepRecord, *, engaged: bool) -> Change | None:
+        """Update the detectors that exclude sensors; return as `update` does."""
         before = self.exclusion.excludes_trailer
         self._jumped = engaged and (self._jumped or self._drift.has_jumped)
         drifts, yaw_rate_is_wrong = self._drifts(record), self._yaw_rate.update()

@@ -14,8 +14,6 @@ from drawbar.signals import StepRecord
 
 _SPAN, _WAY = 1.0, 0.99
 """over which it is averaged: s, and m, or a little less, where that takes longer"""
-
-
 _LIMIT, _SLIP = math.radians(6.0), 0.25
 """error that is too large, rad, and by how much more of a measured angle may be lost by slip: the largest of 210 runs
 without a fault, on flat, rough, sloping and soft ground at 0.5 to 3 m/s, is 4.8° beyond that share"""
@@ -28,9 +26,8 @@ class TurningError:
         """Begin without a sample; `wheelbase` in m, `sample_time` in s."""
         self._wheelbase, self._sample_time = wheelbase, sample_time
         self._rates = 0.0, 0.0  # speed, m/s, and yaw rate by the wheels, rad/s, at the last sample
-        self._samples = deque[
-            tuple[float, float, float]
-        ]()  # way, m; turned by the wheels, and yaw of the estimate, rad
+        self._samples = deque[tuple[float, float, float]]()
+        """way, m; turned by the wheels, and yaw of the estimate, rad"""
         self.is_large = False
         """larger than by any ground"""
 
