@@ -105,13 +105,14 @@ class Navigation:
 
     def _sensed(self, time: float) -> dict[str, Any]:
         """Return the sensor board's last report, unless that is old."""
-        report = self._sensors.last if self._sensors is not None else None
-        fresh = report is not None and time - report.time <= _FRESH
-        stamp = nanoseconds(report.time) if report is not None and fresh else 0
+        hitch_angle, wheel_speed, stamp = math.nan, math.nan, 0
+        if self._sensors is not None and time - self._sensors.last.time <= _FRESH:
+            report = self._sensors.last
+            hitch_angle, wheel_speed, stamp = report.hitch_angle, report.wheel_speed, nanoseconds(report.time)
         return {
-            "hitch_angle": report.hitch_angle if report is not None and fresh else math.nan,
+            "hitch_angle": hitch_angle,
             "hitch_angle_time": stamp,
-            "wheel_speed": report.wheel_speed if report is not None and fresh else math.nan,
+            "wheel_speed": wheel_speed,
             "wheel_speed_time": stamp,
         }
 
