@@ -69,11 +69,11 @@ class ControlLoop:
         measurement = self._sampler.take(fixes)
         if measurement is None:
             return
-        ages = (fixes.tractor_correction_age, fixes.trailer_correction_age)
+        ages = (fixes.tractor.correction_age, fixes.trailer.correction_age)
         for i, age in enumerate(ages[: len(self._corrected)]):
             if math.isfinite(age):
                 self._corrected[i] = seconds(fixes.epoch) - age
-        self._receiver_speed = fixes.tractor_speed
+        self._receiver_speed = fixes.tractor.speed
         self._step(measurement, fixes.time)
 
     def pass_time(self, now: int) -> None:
