@@ -169,6 +169,11 @@ def _without_antennas(fixes: Fixes) -> Fixes:
     return replace(still, tractor_quality=none, trailer_quality=none)
 
 
+def ground_speed(fixes: Fixes) -> float:
+    """Return the speed over ground of the tractor's receiver, or of the trailer's where that one reports none, m/s."""
+    return fixes.tractor_speed if math.isfinite(fixes.tractor_speed) else fixes.trailer_speed
+
+
 def _speed(fixes: Fixes) -> float:
     """Return the speed of the wheels, or over ground where they are not measured, m/s."""
-    return fixes.wheel_speed if math.isfinite(fixes.wheel_speed) else fixes.tractor_speed
+    return fixes.wheel_speed if math.isfinite(fixes.wheel_speed) else ground_speed(fixes)
