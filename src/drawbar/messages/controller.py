@@ -76,7 +76,7 @@ class ControllerState(Message):
     wheel_speed: Known
     """m/s, forward positive"""
     receiver_speed: Known
-    """of the tractor's receiver, m/s, forward positive"""
+    """over ground, of the tractor's receiver, or of the trailer's while that reports none, m/s, forward positive"""
     line_offset: Number = 0.0
     """how far left of the configured line lies the one that is driven, m"""
     against: Byte = 0

@@ -200,6 +200,20 @@ def test_a_speed_over_ground_that_is_not_there_is_not_reported():
     assert all(math.isnan(state.receiver_speed) for state in states[2:])
 
 
+def test_without_an_encoder_a_short_silence_of_the_tractors_receiver_is_driven_through():
+    """The trailer's still has a fix, and reports the speed without which it would be stopped."""
+    rehearsal, path = rehearse()
+    rehearsal.links.faults["sensors"] = lambda time, data: []
+    rehearsal.links.faults["tractor receiver"] = lambda time, data: [] if 30.0 < time < 31.7 else [(0.0, data)]
+    steps, states = [], []
+    for step in rehearsal.run(45.0):
+        steps.append(step)
+        states.append((rehearsal.time, rehearsal.gate_state.state))
+    assert {state for time, state in states if time > 30.0} == {SupervisorState.ACTIVE, SupervisorState.DEGRADED}
+    assert states[-1][1] is SupervisorState.ACTIVE
+    assert errors(steps, path)[100:].max() < 0.1
+
+
 def test_receivers_that_fall_silent_end_in_a_stop():
     rehearsal, _ = rehearse()
     drive_until(rehearsal, SupervisorState.ACTIVE)

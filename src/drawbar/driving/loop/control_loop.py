@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable
 
 from drawbar.driving.loop.controller import Controller
-from drawbar.machine.hardware.sampler import Sampler
+from drawbar.machine.hardware.sampler import Sampler, ground_speed
 from drawbar.messages import CommandMessage, Fixes, GateState, Message
 from drawbar.nanoseconds import seconds
 from drawbar.recording.drive_records import Kind
@@ -73,7 +73,7 @@ class ControlLoop:
         for i, age in enumerate(ages[: len(self._corrected)]):
             if math.isfinite(age):
                 self._corrected[i] = seconds(fixes.epoch) - age
-        self._receiver_speed = fixes.tractor.speed
+        self._receiver_speed = ground_speed(fixes)
         self._step(measurement, fixes.time)
 
     def pass_time(self, now: int) -> None:
