@@ -168,6 +168,7 @@ def _configured(name: str, changes: list[str], pace: int) -> tuple["Configuratio
     from drawbar.driving.preparation.matching_settings import demand_matching_settings
     from drawbar.driving.stand_in.demonstration import with_stand_ins
     from drawbar.machine.hardware.corrections.corrections import new_client
+    from drawbar.recording.header import path_notes
     from drawbar.simulation import build_path
 
     config = load_configuration(name, changes)
@@ -181,8 +182,11 @@ def _configured(name: str, changes: list[str], pace: int) -> tuple["Configuratio
         config = with_stand_ins(config)
         time_passes = "in real time" if pace == 1 else f"{pace} times as fast as real time"
         console.print(f"no [devices] are configured: driving stand-ins of all of them on this computer, {time_passes}")
+    path, drivable = build_path(config)
+    for note in path_notes(config, path, drivable):
+        console.print(note, soft_wrap=True)
     with compiling():
-        Controller(config, build_path(config)[0], config.safety.fingerprint())
+        Controller(config, path, config.safety.fingerprint())
     return config, stand_ins
 
 
