@@ -26,8 +26,9 @@ TYPES["8H"] = ("u16 × 8", 16)
 CHANNELS = """\
 The controller's channel is a pair of Unix sockets that keep records apart (SOCK_SEQPACKET): commands and states of the
 controller one way, states of the gate the other. Front ends and the recorder send to the gate's Unix datagram socket,
-which only its user may write to; a front end binds a path of its own first, and whoever has sent an operator's message
-from there is sent every state of the gate (16 at most). A record that is refused is counted, and why is one of:"""
+which only its user may write to: `gate` in the folder `drawbar-…` that each drive makes in the temporary folder (TMPDIR,
+else /tmp). A front end binds a path of its own first, and whoever has sent an operator's message from there is sent every
+state of the gate (16 at most). A record that is refused is counted, and why is one of:"""
 ANSWERS = {
     Response.NONE: "",
     Response.NOTIFY: "notify, and drive on",

@@ -125,6 +125,14 @@ def test_quality_and_speed_come_with_the_fix():
     assert Sampler(0.2).take(fixes(SECOND, wheel_speed=0.8)).speed == 0.8
 
 
+def test_the_trailers_receiver_reports_the_speed_while_the_tractors_does_not():
+    """Without a wheel encoder, no speed would be known else: the vehicle would have to stop for it, and never stand."""
+    silent = {"tractor_x": math.nan, "tractor_y": math.nan, "tractor_speed": math.nan, "trailer_speed": 0.6}
+    assert Sampler(0.2).take(fixes(SECOND, **silent)).speed == 0.6
+    assert Sampler(0.2).take(fixes(SECOND, wheel_speed=0.8, **silent)).speed == 0.8
+    assert Sampler(0.2).take(fixes(SECOND, trailer_speed=0.6)).speed == 0.7
+
+
 def test_ages_count_back_from_the_sample_at_which_the_epoch_is_here():
     measured = Sampler(0.2).take(fixes(SECOND, hitch_angle=0.1, hitch_angle_time=SECOND - 30_000_000))
     assert measured.hitch_angle_age == pytest.approx(0.08)

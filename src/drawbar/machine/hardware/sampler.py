@@ -171,6 +171,11 @@ def _without_antenna(report: ReceiverReport) -> ReceiverReport:
     return replace(report, x=math.nan, y=math.nan, quality=FixQuality.NONE)
 
 
+def ground_speed(fixes: Fixes) -> float:
+    """Return the speed over ground of the tractor's receiver, or of the trailer's where that one reports none, m/s."""
+    return fixes.tractor.speed if math.isfinite(fixes.tractor.speed) else fixes.trailer.speed
+
+
 def _speed(fixes: Fixes) -> float:
     """Return the speed of the wheels, or over ground where they are not measured, m/s."""
-    return fixes.wheel_speed if math.isfinite(fixes.wheel_speed) else fixes.tractor.speed
+    return fixes.wheel_speed if math.isfinite(fixes.wheel_speed) else ground_speed(fixes)
