@@ -43,6 +43,18 @@ def test_a_wide_terminal_has_one_table_and_a_narrow_one_a_table_for_each_body() 
     assert second.split()[:3] == ["4", "5", "6"]
 
 
+def test_five_figures_of_a_body_stay_together_in_a_terminal_of_60_columns() -> None:
+    columns = [
+        (f"{body}\n{name}", "") for body in ("tractor", "trailer") for name in ("mean", "rms", "sd", "95 %", "max")
+    ]
+    console = Console(file=io.StringIO(), width=60)
+    console.print(FittedTable("error, cm", columns, [("curve 0.125/m", ["41.5"] * 10)], title_width=19))
+    assert isinstance(console.file, io.StringIO)
+    one, other = console.file.getvalue().split("\n\n")
+    assert "trailer" not in one
+    assert "tractor" not in other
+
+
 @pytest.mark.parametrize("columns", ["1", "10", "23"])
 def test_hardly_any_columns_lose_no_figure(columns: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", columns)

@@ -67,7 +67,7 @@ class TuningSettings(Settings):
     seeds: Annotated[int, Field(ge=1, le=1000)] = 5
     """runs of a trial, with the seeds 0, 1, …"""
     fresh_seeds: Annotated[int, Field(ge=2, le=1000)] = 10
-    """runs of everything that the search found, with the seeds that follow: what it owes to luck does not come again"""
+    """runs of everything that the search found, with the seeds that follow, which the search has not seen"""
 
 
 def _kind(section: Any) -> str:

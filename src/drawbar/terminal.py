@@ -50,31 +50,49 @@ class FittedTable:
             columns: heading and style of the others.
             rows: the first column's cell and those of the others.
             title_width: at least, where there is room, characters.
-            column_width: at least, characters.
+            column_width: at least, where that takes no more tables, characters.
         """
         self._title, self._columns, self._rows = title, list(columns), list(rows)
         self._title_width, self._column_width = title_width, column_width
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
-        widths = [self._width(index) for index in range(len(self._columns))]
         wanted = max([self._title_width, len(self._title), *(len(name) for name, _ in self._rows)])
-        title = min(wanted, max(options.max_width - max(widths, default=0) - _GAP, 10))
-        for number, group in enumerate(_groups(widths, options.max_width - title)):
+        widest = max((self._needed([index], 0) for index in range(len(self._columns))), default=_GAP)
+        title = min(wanted, max(options.max_width - widest, 10))
+        room = options.max_width - title
+        groups = self._groups(room)
+        least = self._column_width if all(self._needed(group, self._column_width) <= room for group in groups) else 0
+        for number, group in enumerate(groups):
             if number:
                 yield ""
-            yield self._part(group, title)
+            yield self._part(group, title, least)
 
-    def _width(self, index: int) -> int:
-        texts = [cells[index] for _, cells in self._rows]
-        lengths = [len(text.plain if isinstance(text, Text) else text) for text in texts]
-        return max([self._column_width, *lengths, *map(len, self._columns[index][0].split("\n"))])
+    def _groups(self, room: int) -> list[range]:
+        """Return as few groups of neighbouring columns as fit into so many characters, of as equal a size as may be."""
+        columns = len(self._columns)
+        for count in range(1, columns + 1):
+            size = -(-columns // count)
+            groups = [range(first, min(first + size, columns)) for first in range(0, columns, size)]
+            if all(self._needed(group, 0) <= room for group in groups):
+                return groups
+        return [range(index, index + 1) for index in range(columns)]
 
-    def _part(self, group: Sequence[int], width: int) -> Table:
+    def _needed(self, group: Sequence[int], least: int) -> int:
+        """Return how many characters neighbouring columns take, each of `least` at least."""
+        texts = [[cells[index] for _, cells in self._rows] for index in group]
+        lengths = [[len(text.plain if isinstance(text, Text) else text) for text in column] for column in texts]
+        headings = [map(len, heading.split("\n")) for heading in self._headings(group)]
+        return sum(max([least, *cells, *heading]) + _GAP for cells, heading in zip(lengths, headings, strict=True))
+
+    def _headings(self, group: Sequence[int]) -> list[str]:
+        return _unrepeated([self._columns[index][0] for index in group])
+
+    def _part(self, group: Sequence[int], width: int, least: int) -> Table:
         table = Table(box=None, pad_edge=False, padding=(0, _GAP // 2), title_justify="left")
         table.add_column(self._title, min_width=width, max_width=width, overflow="fold")
-        columns = [self._columns[index] for index in group]
-        for name, (_, style) in zip(_unrepeated([name for name, _ in columns]), columns, strict=True):
-            table.add_column(name, justify="right", header_style=style, min_width=self._column_width, no_wrap=True)
+        for heading, index in zip(self._headings(group), group, strict=True):
+            style = self._columns[index][1]
+            table.add_column(heading, justify="right", header_style=style, min_width=least, no_wrap=True)
         for name, cells in self._rows:
             table.add_row(name, *(cells[index] for index in group))
         return table
@@ -85,16 +103,6 @@ def _unrepeated(headings: Sequence[str]) -> list[str]:
     parts = [heading.rpartition("\n") for heading in headings]
     before = ["", *(first for first, _, _ in parts)]
     return ["".join(part if part[0] != last else part[1:]) for part, last in zip(parts, before, strict=False)]
-
-
-def _groups(widths: Sequence[int], room: int) -> list[range]:
-    """Return as few groups of neighbouring columns as fit into so many characters, of as equal a size as may be."""
-    for count in range(1, len(widths) + 1):
-        size = -(-len(widths) // count)
-        groups = [range(first, min(first + size, len(widths))) for first in range(0, len(widths), size)]
-        if all(sum(widths[index] + _GAP for index in group) <= room for group in groups):
-            return groups
-    return [range(index, index + 1) for index in range(len(widths))]
 
 
 def open_what_is_closed() -> None:

@@ -42,13 +42,13 @@ class DeviceState:
 
     name: str
     rate: float
-    """words, 1/s; 0: none in the last seconds"""
+    """of its reports, 1/s; 0: none came in the last seconds"""
     age: float
-    """of its last word, s; NaN: there was none"""
+    """of its last report, s; NaN: there was none"""
 
 
 class DeviceRates:
-    """Counts the words of each device by the stamps in the drive's messages."""
+    """Counts the reports of each device by the stamps in the drive's messages."""
 
     def __init__(self) -> None:
         """Begin with nothing received."""

@@ -5,7 +5,7 @@ import time
 
 _MOST = 2
 _LOST = 1.0
-"""without a word of a picture that was sent, s"""
+"""after which a picture that was sent and is not acknowledged counts as lost, s"""
 
 
 class FlowControl:
@@ -26,5 +26,5 @@ class FlowControl:
         self._sent = time.monotonic()
 
     def drawn(self) -> None:
-        """Take the browser's word that one is drawn."""
+        """Take in that the browser has drawn one."""
         self._count = max(0, self._count - 1)

@@ -204,7 +204,7 @@ class Link:
         return session
 
     def drawn(self, visitor: Visitor, sequence: object) -> None:
-        """Take a browser's word that it has drawn the state of this sequence; other words mean nothing."""
+        """Take in that a browser has drawn the state of this sequence; what is none of a state is ignored."""
         state = next((each for each in reversed(self._states) if each.sequence == sequence), None)
         if state is None or isinstance(sequence, bool):
             return

@@ -43,7 +43,7 @@ class Session:
         return self._operator.seen
 
     def draw(self, state: GateState, now: int, *, attends: bool, quiet: bool) -> None:
-        """Take the browser's word that it has drawn a state.
+        """Take in that the browser has drawn a state.
 
         Args:
             state: that it has drawn.

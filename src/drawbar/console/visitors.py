@@ -9,7 +9,7 @@ COOKIE = "drawbar"
 MOST = 64
 """visitors that are remembered; the least recently active is forgotten first"""
 LIFE = 12 * 3600.0
-"""without a word, after which a visitor is forgotten, s"""
+"""without a request, after which a visitor is forgotten, s"""
 
 
 class Rank(IntEnum):

@@ -85,7 +85,7 @@ class Observation:
     ended: bool = False
     """the gate was told to end"""
     operator_age: float = math.inf
-    """since the last word of the operator who engaged; before that, of any"""
+    """since the last message of the operator who engaged; before that, of any"""
     backwards: bool = False
     """the antennas move backwards, as the controller reports"""
     rejected: bool = False

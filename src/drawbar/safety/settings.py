@@ -97,7 +97,7 @@ class DriveSettings(Settings):
     overruns: Steps = 3
     """late steps within `engage.quiet` that degrade"""
     operator: Timeout = 2.0
-    """time without a word of an operator after which to stop, s"""
+    """time without a message of an operator after which to stop, s"""
     stuck_angle: PositiveAngle = math.radians(3.5)
     """distance from its set point at which a steering must move, rad"""
     stuck_move: PositiveAngle = math.radians(0.5)
@@ -171,7 +171,7 @@ class TimingSettings(Settings):
     off: Annotated[float, Field(ge=1.0, le=10.0)] = 1.0
     """for how long the actuators are commanded to release before the gate ends, and before it engages them, s"""
     lease: Timeout = 2.0
-    """without a word of its holder, after which another operator may engage, s"""
+    """without a message of its holder, after which another operator may engage, s"""
     priority: Annotated[int, Field(ge=0, le=99)] = 50
     """of the gate's real-time scheduling, above the controller's (10 less) and the receivers' (15 less); 0: none"""
 

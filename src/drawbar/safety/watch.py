@@ -74,7 +74,7 @@ class Watch:
         self.speeds.add(time, "receiver", state.receiver_speed)
 
     def receive_heartbeat(self, time: float, beat: Heartbeat) -> None:
-        """Take in a process's word; a recorder or guard that is not healthy is as good as none."""
+        """Take in a heartbeat; a recorder or guard that is not healthy is as good as none."""
         if beat.role is Role.RECORDER:
             self._recorded = time if beat.healthy == 1 else -math.inf
         elif beat.role is Role.GUARD:

@@ -181,7 +181,7 @@ class Controller:
         return self._uncertainty_of(self._autopilot.record().estimate)
 
     def _recompute(self, change: Change) -> None:
-        """Compute the last seconds again; the newest answer takes the place of that which was bent."""
+        """Compute the last seconds again; the newest answer replaces the one that a faulty sensor has corrupted."""
         answer = self._rollback.recompute(change)
         if answer is not None:
             self._status, self._command = answer

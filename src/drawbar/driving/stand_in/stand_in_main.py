@@ -33,7 +33,7 @@ from drawbar.transports.open import open_can
 PRIORITY = 30
 """of its scheduling, below gate and controller: real devices do not wait for this computer's other programs"""
 _GONE = 1.0
-"""without a word of who commands the steerings, s"""
+"""without a message of who commands the steerings, s"""
 
 
 class _DriversSeat:

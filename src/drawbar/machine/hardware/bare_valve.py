@@ -92,7 +92,7 @@ class BareValve(CalibratedMachine):
         select.select([descriptor] if descriptor >= 0 else [], [], [], _LOOK)
 
     def _by_yaw(self, motion: Motion) -> float:
-        """Return the steering angle by yaw rate and speed, once for each word of the receiver, rad."""
+        """Return the steering angle by yaw rate and speed, once for each report of the receiver, rad."""
         if motion.time <= self._last_motion or not motion.speed > 0.0:
             return math.nan
         self._last_motion = motion.time
