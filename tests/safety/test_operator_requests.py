@@ -28,16 +28,20 @@ class Table:
         self.seen = (sequence, round(self.time * 1e9))
         self.requests.show(*self.seen)
 
-    def ask(self, action, value=0.0, lease=7, nonce=None, age=0.0, valid=1.0, seen=None):
+    def message(self, action, value=0.0, lease=7, nonce=None, age=0.0, valid=1.0, seen=None):
         self.nonce += 1
         sent = self.time - age
         sequence, shown = seen or self.seen
-        message = OperatorMessage(
+        return OperatorMessage(
             time=round(sent * 1e9), valid_until=round((sent + valid) * 1e9), action=action, lease=lease,
             nonce=self.nonce if nonce is None else nonce, seen_sequence=sequence, seen_time=shown, value=value,
         )  # fmt: skip
+
+    def ask(self, action, *value, **given):
+        message = self.message(action, *value, **given)
+        self.requests.answer = None
         self.requests.receive(self.time, message)
-        assert self.requests.answered == message.nonce
+        assert self.requests.answered == message.nonce or action is Action.PRESENT
         return self.requests.answer
 
 
@@ -52,6 +56,14 @@ def test_arming_takes_the_lease_and_engaging_needs_it():
     assert table.ask(Action.ENGAGE) is None
     assert table.requests.take() == {Action.ENGAGE}
     assert table.requests.take() == set()
+
+
+def test_who_reports_to_be_present_does_not_take_another_ones_answer_away():
+    """Both may come within one tick of the gate, after which the operator would not be told why nothing happens."""
+    table = Table()
+    assert table.ask(Action.ENGAGE) is Cause.NOT_ARMED
+    table.requests.receive(table.time, table.message(Action.PRESENT, lease=8))
+    assert (table.requests.answer, table.requests.answered) == (Cause.NOT_ARMED, table.nonce - 1)
 
 
 def test_the_lease_of_a_silent_holder_is_free():

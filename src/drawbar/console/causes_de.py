@@ -85,7 +85,7 @@ CAUSES_DE: Mapping[Cause, tuple[str, str]] = {
         "Radsensor und Empfänger prüfen"),
     Cause.NOT_STANDING: ("das Fahrzeug bewegt sich, oder sein Tempo ist unbekannt",
         "Fahrzeug anhalten, dann bestätigen"),
-    Cause.STOP_IGNORED: ("das Fahrzeug hat nicht rechtzeitig angehalten",
+    Cause.STOP_IGNORED: ("das Fahrzeug hat nicht rechtzeitig angehalten, oder sein Tempo ist nicht bekannt",
         "bremsen; den Fahrantrieb prüfen, bevor wieder gefahren wird"),
     Cause.SPEEDS_CONTRADICT: ("Rad und Empfänger zeigen zu verschiedenes Tempo; so viel Schlupf gibt es nicht",
         "Einheit des Empfängers und Impulse pro Meter des Radsensors prüfen"),

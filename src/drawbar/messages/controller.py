@@ -1,6 +1,6 @@
 """Controller: what it reports, and what it asks of the actuators."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import Annotated
 
@@ -31,6 +31,10 @@ class CommandMessage(Message):
     """of the joint between drawbar and trailer, rad, in the sign in which it is measured"""
     speed: Number
     """of the wheels, m/s"""
+
+    def repeats(self, other: "CommandMessage") -> bool:
+        """Return whether it asks for the same as another one."""
+        return self == replace(other, sequence=self.sequence, time=self.time, valid_until=self.valid_until)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,7 +76,7 @@ class ControllerState(Message):
     wheel_speed: Known
     """m/s, forward positive"""
     receiver_speed: Known
-    """of the tractor's receiver, m/s, forward positive"""
+    """over ground, of the tractor's receiver, or of the trailer's while that reports none, m/s, forward positive"""
     line_offset: Number = 0.0
     """how far left of the configured line lies the one that is driven, m"""
     against: Byte = 0

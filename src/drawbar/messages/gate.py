@@ -54,7 +54,7 @@ class GateState(Message):
     cause: Annotated[int, Cell("H")]
     """code of what led to this state; 0: nothing"""
     answer: Annotated[int, Cell("H")]
-    """to the last operator's message: 0 accepted, else the code of why not"""
+    """to the last operator's message, PRESENT that is accepted left out: 0 accepted, else the code of why not"""
     answered: Long
     """nonce of that message"""
     lease: Long

@@ -124,7 +124,7 @@ class Cause(Enum):
         "check the wheel sensor and the receiver")
     NOT_STANDING = (304, False, Response.NONE, "the vehicle moves, or its speed is not known",
         "stop the vehicle, then acknowledge")
-    STOP_IGNORED = (305, False, Response.NONE, "the vehicle did not stop in time",
+    STOP_IGNORED = (305, False, Response.NONE, "the vehicle did not stop in time, or its speed is not known",
         "brake; look at the speed actuator before you drive again")
     SPEEDS_CONTRADICT = (306, True, Response.STOP, "wheels and receiver differ in speed by more than wheels slip",
         "check the units of the receiver's speed and the pulses per metre of the wheel sensor")

@@ -51,9 +51,10 @@ class OperatorRequests:
 
     def receive(self, time: float, message: OperatorMessage) -> None:
         """Take in a message at a time, s; what is accepted is taken by `take`."""
-        self.answered = message.nonce
-        self.answer = self._refusal(time, message)
-        if self.answer is None:
+        refusal = self._refusal(time, message)
+        if refusal is not None or message.action is not Action.PRESENT:  # that may come right after what is refused
+            self.answer, self.answered = refusal, message.nonce
+        if refusal is None:
             self._accept(time, message)
 
     def switch(self, actuator: int, on: bool | None) -> None:

@@ -52,6 +52,14 @@ def test_a_taken_port_keeps_no_board_from_being_opened(port):
         assert not wire.transport.connected
 
 
+def test_a_board_that_is_reached_by_broadcast_shares_the_socket_of_one_that_is_not():
+    trailer = SteerBoardSettings(address="127.255.255.255:9", listen="127.0.0.1:0", max_angle=0.5)
+    wires = board_wires({"tractor": settings_at(9), "trailer": trailer})
+    assert [wire.transport.write(bytes(8)) for wire in wires] == [True, True], wires[1].transport.trouble
+    wires[0].transport.close()
+    wires[1].transport.close()
+
+
 def test_the_check_tells_another_master(monkeypatch, port):
     def looks(*_):
         commands_from_elsewhere(port)

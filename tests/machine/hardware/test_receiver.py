@@ -78,6 +78,19 @@ def test_two_boards_on_one_port_are_told_apart(sender: str) -> None:
     assert receiver.dropped == {"datagram of another sender": 3}
 
 
+def test_replies_of_the_board_that_carries_the_receiver_are_no_noise_of_it():
+    wire = Wire()
+    receiver = Receiver(wire, ReceiverSettings(transport="udp://0.0.0.0:9999"))
+    reply = Received(10.0, bytes.fromhex("80817efd08c8000f27b822070062"), "192.168.5.127:8888")
+    wire.waiting = [
+        reply,
+        Received(10.0, gga(0, 50.0), "192.168.5.126:5120"),
+        Received(11.0, gga(1, 50.0), "192.168.5.126:5120"),
+    ]
+    assert len(receiver.poll(12.0)) == 2
+    assert receiver.dropped == {"reply of a board": 1}
+
+
 def test_a_broken_off_sentence_is_given_up_after_a_silence() -> None:
     wire = Wire()
     receiver = Receiver(wire, ReceiverSettings(transport="tcp://127.0.0.1:28784"))

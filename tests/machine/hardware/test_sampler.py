@@ -1,13 +1,12 @@
 """The sampler: which epochs become measurements, and what is measured where none comes."""
 
 import math
-from dataclasses import fields
 from itertools import pairwise
 
 import pytest
+from fixes import fixes_of
 
 from drawbar.machine.hardware.sampler import Sampler
-from drawbar.messages import Fixes
 from drawbar.signals import FixQuality
 
 SECOND = 1_000_000_000
@@ -16,11 +15,10 @@ DELAY = 50_000_000
 
 
 def fixes(epoch, delay=DELAY, **given):
-    values = dict.fromkeys((field.name for field in fields(Fixes)), 0)
-    values |= {"epoch": epoch, "time": epoch + delay}
+    values = {"epoch": epoch, "time": epoch + delay}
     values |= {"tractor_x": 1.0, "tractor_y": 2.0, "trailer_x": -3.0, "trailer_y": 0.5}
     values |= {"tractor_quality": 5, "trailer_quality": 4, "wheel_speed": math.nan, "tractor_speed": 0.7}
-    return Fixes(**(values | given))
+    return fixes_of(**(values | given))
 
 
 @pytest.mark.parametrize("alone", ["tractor_x", "trailer_x"])
@@ -125,6 +123,14 @@ def test_quality_and_speed_come_with_the_fix():
     assert measured.trailer_fix_quality is FixQuality.FLOAT
     assert measured.speed == 0.7
     assert Sampler(0.2).take(fixes(SECOND, wheel_speed=0.8)).speed == 0.8
+
+
+def test_the_trailers_receiver_reports_the_speed_while_the_tractors_does_not():
+    """Without a wheel encoder, no speed would be known else: the vehicle would have to stop for it, and never stand."""
+    silent = {"tractor_x": math.nan, "tractor_y": math.nan, "tractor_speed": math.nan, "trailer_speed": 0.6}
+    assert Sampler(0.2).take(fixes(SECOND, **silent)).speed == 0.6
+    assert Sampler(0.2).take(fixes(SECOND, wheel_speed=0.8, **silent)).speed == 0.8
+    assert Sampler(0.2).take(fixes(SECOND, trailer_speed=0.6)).speed == 0.7
 
 
 def test_ages_count_back_from_the_sample_at_which_the_epoch_is_here():

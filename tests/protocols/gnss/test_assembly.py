@@ -70,6 +70,40 @@ def test_a_message_that_came_too_late_is_counted_and_waited_for(report: Maker) -
     assert stream.dropped == {"message without its epoch": 2}
 
 
+@pytest.mark.parametrize(("gap", "dropped"), [(0.03, 1), (0.055, 1), (0.075, 8)])
+def test_a_speed_that_comes_a_while_after_its_position_is_waited_for(report: Maker, gap: float, dropped: int) -> None:
+    """Some receivers compute it later; what comes too late for a step is not waited for."""
+    stream, speeds = EpochStream(EpochSettings()), []
+    for step in range(8):
+        begin = 10.0 + 0.2 * step
+        ended = stream.push(nmea.gga(report(0.2 * step)), begin)
+        for time in (0.02, 0.06):
+            if time < gap:
+                ended += stream.poll(begin + time + 0.001)
+        ended += stream.push(nmea.vtg(report()), begin + gap)
+        ended += stream.poll(begin + 0.15)
+        speeds += [epoch.speed for epoch in ended]
+    assert [math.isnan(speed) for speed in speeds] == dropped * [True] + (8 - dropped) * [False]
+    assert stream.dropped == {"message without its epoch": dropped}
+
+
+def test_a_message_that_came_late_once_is_not_waited_for_for_ever(report: Maker) -> None:
+    """It comes in every second epoch: the others end by the silence."""
+    stream, waits = EpochStream(EpochSettings()), []
+    for step in range(40):
+        begin = 10.0 + 0.2 * step
+        stream.push(nmea.gga(report(0.2 * step)), begin)
+        if step % 2:
+            waits.append(stream.due - begin)
+            stream.poll(stream.due)
+        else:
+            late = 0.03 if step == 20 else 0.001
+            stream.poll(begin + late)
+            stream.push(nmea.vtg(report()), begin + late)
+            stream.poll(begin + 0.1)
+    assert waits == pytest.approx(10 * [0.02] + 5 * [0.06] + 5 * [0.02])
+
+
 def test_a_message_that_no_longer_comes_is_not_waited_for_for_ever(report: Maker) -> None:
     stream = EpochStream(EpochSettings())
     run(stream, [(10.0 + 0.1 * step, nmea.sentences(report(0.1 * step))) for step in range(10)])

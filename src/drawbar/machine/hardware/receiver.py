@@ -6,10 +6,11 @@ from typing import Protocol, Self
 
 from pydantic import model_validator
 
+from drawbar.protocols.agopengps.frame import PREFIX
 from drawbar.protocols.gnss.epoch import Epoch
 from drawbar.protocols.gnss.settings import EpochSettings
 from drawbar.transports.address import FileAddress, TransportText, UdpAddress, parse_transport
-from drawbar.transports.base import Transport
+from drawbar.transports.base import Received, Transport
 
 ANY = "0.0.0.0"
 """all addresses of this computer"""
@@ -119,7 +120,7 @@ class Receiver:
         """Read what has come until this monotonic time (s), and return the epochs that have ended."""
         ended: list[Epoch] = []
         for received in self.transport.read():
-            if self._is_ours(received.source):
+            if self._is_ours(received):
                 self.last_received = received.time
                 ended += self._stream.push(received.data, received.time)
         ended += self._stream.poll(time)
@@ -130,11 +131,14 @@ class Receiver:
         """Give the transport back."""
         self.transport.close()
 
-    def _is_ours(self, source: str) -> bool:
-        """Whether bytes are this receiver's; a stream has no sender."""
-        address = source.rpartition(":")[0]
+    def _is_ours(self, received: Received) -> bool:
+        """Whether bytes are this receiver's; a stream has no sender, and a board's replies come to the same port."""
+        address = received.source.rpartition(":")[0]
+        if address and received.data.startswith(PREFIX):
+            self._others["reply of a board"] += 1
+            return False
         self._sender = self._sender or address
-        if address == self._sender or not source:
+        if address == self._sender or not address:
             return True
         self._others["datagram of another sender"] += 1
         return False

@@ -137,9 +137,12 @@ class SteerBoardSettings(Settings):
 
     @property
     def transport(self) -> str:
-        """Address of the socket for `drawbar.transports`; boards that `listen` at one place share one socket."""
+        """Address of the socket for `drawbar.transports`; boards that `listen` at one place share one socket.
+
+        It may broadcast, since another board that shares it may be one that is reached so.
+        """
         host, port = self.destination
-        return f"{self.receive_only}?peer={host}:{port}" + ("&broadcast=1" if host.endswith(".255") else "")
+        return f"{self.receive_only}?peer={host}:{port}&broadcast=1"
 
     def actuator(self, own: Collection[str] = ()) -> SteerBoard:
         """Return the board as the gate commands it; own: `address:port` of this computer's own sockets.

@@ -1,7 +1,8 @@
 """Assembly: messages of one receiver into its epochs.
 
 An epoch ends when a message of another time comes, after 20 ms without a byte, or as soon as all kinds of messages are
-there that its predecessors had: 20 ms would be the whole time that a step may take.
+there that its predecessors had: 20 ms would be the whole time that a step may take. Where a kind is missing that has
+lately come after such a silence, it ends after 60 ms.
 """
 
 import math
@@ -16,6 +17,8 @@ from drawbar.protocols.gnss.timing import SAME_EPOCH, ReceiverClock, difference
 from drawbar.protocols.gnss.turning import LARGEST_YAW_RATE, Turning
 from drawbar.signals import FixQuality
 
+SILENCE, LONG_SILENCE = 0.02, 0.06
+"""an epoch is over after so long without a byte, s; the longer where a kind is missing that has lately come later"""
 _REMEMBERED = 10
 """epochs whose kinds of messages are remembered"""
 _AWAITED = 0.3
@@ -37,7 +40,7 @@ class _Draft:
     """The messages of an epoch that is not closed yet."""
 
     def __init__(self, received: float) -> None:
-        self.received = received
+        self.received = self.last = received  # of its first and its last message
         self.utc: float | None = None
         self.kinds: set[str] = set()
         self.contents: list[Content] = []
@@ -48,7 +51,8 @@ class _Draft:
             return True
         return abs(difference(message.utc, self.utc)) < SAME_EPOCH
 
-    def add(self, message: Message) -> None:
+    def add(self, message: Message, time: float) -> None:
+        self.last = time
         self.utc = message.utc if self.utc is None else self.utc
         self.kinds.add(message.kind)
         self.contents += message.contents
@@ -69,6 +73,9 @@ class Assembler:
         self._spoofed = False  # as the receiver has reported last
         self._kinds: deque[set[str]] = deque(maxlen=_REMEMBERED)
         self._positional: set[str] = set()  # kinds that hold a position
+        self._late: dict[str, int] = {}
+        """kinds that came after a silence, and for how many epochs each is still waited for so long"""
+        self._closed = -math.inf  # when the last message of the epoch before came
         self._delivered = -math.inf  # time of the last epoch
         self._start_over()
 
@@ -86,6 +93,12 @@ class Assembler:
         """Whether an epoch has begun that is not closed."""
         return self._draft is not None
 
+    @property
+    def silence(self) -> float:
+        """How long a silence ends the open epoch, s."""
+        is_complete = self._draft is None or self._late.keys() <= self._draft.kinds
+        return SILENCE if is_complete else LONG_SILENCE
+
     def add(self, message: Message, time: float) -> list[Epoch]:
         """Take a message whose first byte came at a monotonic time (s); return the epochs that it ends.
 
@@ -99,7 +112,9 @@ class Assembler:
             ended += self.close()
         if self._draft is None:
             self._draft = _Draft(time)
-        self._draft.add(message)
+        if time - self._draft.last > SILENCE:
+            self._late[message.kind] = _REMEMBERED
+        self._draft.add(message, time)
         if any(isinstance(content, Position) for content in message.contents):
             self._positional.add(message.kind)
         complete = len(self._kinds) >= _FIRST and self._draft.utc is not None and self._is_complete(self._draft)
@@ -124,7 +139,11 @@ class Assembler:
             self.dropped["message without its epoch"] += 1
             if self._kinds:
                 self._kinds[-1] |= draft.kinds  # to be waited for
+            if draft.received - self._closed <= LONG_SILENCE:
+                self._late |= dict.fromkeys(draft.kinds, _REMEMBERED)
             return []
+        self._closed = draft.last
+        self._late = {kind: left - 1 for kind, left in self._late.items() if left > 1}
         self._kinds.append(draft.kinds)
         if draft.utc is None:
             self.dropped["epoch without time"] += 1

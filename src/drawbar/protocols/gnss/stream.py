@@ -9,8 +9,6 @@ from drawbar.protocols.gnss.epoch import Epoch
 from drawbar.protocols.gnss.framing import Frame, Framer
 from drawbar.protocols.gnss.settings import EpochSettings
 
-SILENCE = 0.02
-"""an epoch is over after so long without a byte, s"""
 BROKEN_OFF = 0.05
 """a frame that has begun is given up after so long without a byte, s: longer than any adapter holds bytes back"""
 
@@ -40,7 +38,7 @@ class EpochStream:
     def due(self) -> float:
         """Monotonic time at which `poll` may have something to do, infinite while there is nothing, s."""
         if self._assembler.is_open:
-            return self._last_byte + SILENCE
+            return self._last_byte + self._assembler.silence
         return self._last_byte + BROKEN_OFF if self._framer.is_waiting else math.inf
 
     def push(self, data: bytes, time: float) -> list[Epoch]:
@@ -56,7 +54,7 @@ class EpochStream:
         ended: list[Epoch] = []
         if self._framer.is_waiting and time >= self._last_byte + BROKEN_OFF:
             ended += self._epochs(self._framer.settle())
-        if self._assembler.is_open and time >= self._last_byte + SILENCE:
+        if self._assembler.is_open and time >= self._last_byte + self._assembler.silence:
             ended += self._assembler.close()
         return ended
 
