@@ -18,7 +18,7 @@ from drawbar.estimation.ideal import TrueState
 from drawbar.estimation.settings import IdealEstimatorSettings
 from drawbar.geometry import Floats
 from drawbar.guidance.beginning import beginning
-from drawbar.guidance.demands import demand_steering, demand_trackable
+from drawbar.guidance.demands import demand_steering
 from drawbar.guidance.figure_eight import figure_eights
 from drawbar.guidance.importers.load import load_line
 from drawbar.guidance.path import Path
@@ -224,7 +224,6 @@ def build_path(configuration: Configuration) -> "tuple[Path, DrivablePath | None
     demand_steering(
         path, configuration.vehicle, speed=configuration.speed, tolerance=configuration.guidance.path_tolerance
     )
-    demand_trackable(path, configuration.vehicle)
     return path, drivable
 
 

@@ -8,14 +8,12 @@ from drawbar.errors import PathError
 from drawbar.geometry import Floats
 from drawbar.guidance.path import Path
 from drawbar.vehicle.off_tracking import steady_off_tracking
-from drawbar.vehicle.parameters import TrackedPoints, VehicleParameters
+from drawbar.vehicle.parameters import VehicleParameters
 
 _STEP = 0.05
 """m between the places where a path is looked at"""
 _EXACT = 1e-3
 """m; of a shift"""
-_ACCEPTED = 0.10
-"""which the trailer's tracked point may steadily be beside the line in a curve, m"""
 
 
 def demand_steering(path: Path, vehicle: VehicleParameters, *, speed: float, tolerance: float) -> None:
@@ -92,30 +90,6 @@ def largest_off_tracking(path: Path, vehicle: VehicleParameters) -> tuple[float,
     off_tracking = steady_off_tracking(vehicle, tightest)
     worst = int(off_tracking.argmax())
     return float(off_tracking[worst]), abs(float(tightest[worst]))
-
-
-def demand_trackable(path: Path, vehicle: VehicleParameters) -> None:
-    """Refuse a path in whose curves the trailer's tracked point cannot be on the line while the tractor's is.
-
-    Args:
-        path: to be driven.
-        vehicle: with the points that shall be on the line.
-
-    Raises:
-        PathError: the trailer's steering does not reach so far; names what it leaves, and what would help.
-    """
-    if vehicle.tracked.are_the_bodies:
-        return
-    left, curvature = largest_off_tracking(path, vehicle)
-    bodies, _ = largest_off_tracking(path, vehicle.model_copy(update={"tracked": TrackedPoints()}))
-    accepted = max(_ACCEPTED, bodies)
-    if not left <= accepted:
-        raise PathError(
-            f"in curves of {1.0 / curvature:.1f} m radius the trailer's point, vehicle.tracked.trailer, would run "
-            f"{left:.2f} m beside the line, its steering at its limit and the tractor's point, "
-            f"vehicle.tracked.tractor, on the line; at most {accepted:.2f} m is allowed: bring these points nearer to "
-            f"their axles, or choose a path whose curves are wider"
-        )
 
 
 def _wheels(curvature: Floats, vehicle: VehicleParameters) -> Floats:
