@@ -3,6 +3,8 @@
 import dataclasses
 import math
 import os
+import signal
+import termios
 from io import StringIO
 from types import SimpleNamespace
 
@@ -194,6 +196,21 @@ def test_no_key_waits_for_the_next_one(monkeypatch):
             keys.write(b"+x")
             assert keyboard.pressed() == "+x"
             assert keyboard.pressed() == ""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="POSIX terminals")
+def test_keys_act_at_once_when_a_shell_has_stopped_the_drive_and_continues_it(monkeypatch):
+    far, near = os.openpty()
+    with open(near, encoding="utf-8") as terminal, open(far, "wb", buffering=0) as keys:
+        before = termios.tcgetattr(terminal)
+        monkeypatch.setattr("sys.stdin", terminal)
+        with Keyboard() as keyboard:
+            termios.tcsetattr(terminal, termios.TCSANOW, before)  # as the shell does at Ctrl-Z
+            signal.raise_signal(signal.SIGCONT)
+            keys.write(b"x")
+            assert keyboard.pressed() == "x"
+        assert termios.tcgetattr(terminal) == before
+        assert signal.getsignal(signal.SIGCONT) is signal.SIG_DFL
 
 
 @pytest.mark.skipif(os.name == "nt", reason="POSIX terminals")

@@ -3,6 +3,7 @@
 import os
 import secrets
 import select
+import signal
 import sys
 import termios
 import tty
@@ -44,15 +45,22 @@ class Keyboard:
         self._terminal, self.is_gone = sys.stdin.isatty(), False
         if self._terminal:
             self._before = termios.tcgetattr(sys.stdin)
-            tty.setcbreak(sys.stdin)
+            self._read_single_keys()
+            self._continue = signal.signal(signal.SIGCONT, self._read_single_keys)
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         if self._terminal:
+            signal.signal(signal.SIGCONT, self._continue)
             with suppress(termios.error):  # the terminal is gone
                 termios.tcsetattr(sys.stdin, termios.TCSADRAIN, self._before)
+
+    def _read_single_keys(self, *_: object) -> None:
+        """Have the terminal hand over each key at once; a shell that stopped this process (Ctrl-Z) takes that back."""
+        with suppress(termios.error):
+            tty.setcbreak(sys.stdin)
 
     def pressed(self) -> str:
         """Return the keys that were pressed since the last call, in order; empty where there were none."""
