@@ -5,8 +5,10 @@ What stands in them besides tables is docs/safety.in.md, in which a line such as
 
 import inspect
 import math
+from dataclasses import is_dataclass
 from enum import Enum
 from pathlib import Path
+from typing import get_type_hints
 
 from pydantic import BaseModel
 
@@ -38,7 +40,7 @@ ANSWERS = {
 
 def record_table(kind: messages.Kind, cls: type[Message]) -> list[str]:
     """Return the table of one kind of record."""
-    layout, words = LAYOUTS[kind], declared_words(cls)
+    layout, words = LAYOUTS[kind], field_words(cls)
     lines = [
         f"## {kind.value}: {cls.__name__}",
         "",
@@ -55,6 +57,13 @@ def record_table(kind: messages.Kind, cls: type[Message]) -> list[str]:
         lines.append(f"| {offset} | {kind_of} | {name} | {meaning}{'; may be NaN' if cell.may_miss else ''} |")
         offset += size
     return [*lines, f"| {offset} | u32 | crc | CRC-32 of all before |", "", f"{layout.size} bytes."]
+
+
+def field_words(cls: type) -> dict[str, str]:
+    """Return what each field of a message means, of a part's as `part.field`."""
+    words = declared_words(cls)
+    parts = {name: hint for name, hint in get_type_hints(cls).items() if is_dataclass(hint)}
+    return words | {f"{part}.{name}": text for part, hint in parts.items() for name, text in field_words(hint).items()}
 
 
 def enumeration_table(cls: type[Enum]) -> list[str]:

@@ -11,7 +11,14 @@ from drawbar.config import load_configuration
 ROOT = Path(__file__).parents[1]
 DOCUMENTS = sorted(
     document.relative_to(ROOT).as_posix()
-    for pattern in ("README.md", "docs/*.md", "docs/theory/*.md", "experiments/README.md", "experiments/*/README.md")
+    for pattern in (
+        "README.md",
+        "CONTRIBUTING.md",
+        "docs/*.md",
+        "docs/theory/*.md",
+        "experiments/README.md",
+        "experiments/*/README.md",
+    )
     for document in ROOT.glob(pattern)
 )
 SUFFIXES = "py|h|c|md|toml|html|svg|csv|json|txt"

@@ -3,6 +3,7 @@
 import errno
 import json
 import os
+import socket
 import sys
 import threading
 import time
@@ -12,7 +13,7 @@ import pytest
 
 from drawbar.cli.drive import _drive, _report, _run
 from drawbar.cli.interrupts import Interrupts
-from drawbar.errors import StorageError
+from drawbar.errors import HardwareError, StorageError
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="real machines are driven by Linux only")
 
@@ -152,18 +153,52 @@ class Ended:
         (["gate: not scheduled", "receivers: not", "recorder: not"], "gate: not scheduled (2 more in messages.txt"),
     ],
 )
-def test_what_the_processes_could_not_have_is_reported_at_the_start(monkeypatch, capsys, said, told):
+def test_what_the_processes_could_not_have_is_reported_at_the_start(monkeypatch, capsys, tmp_path, said, told):
     monkeypatch.setattr("drawbar.cli.drive._drive", lambda *arguments, **options: False)
-    assert not _run(Ended(said), None, Interrupts(), demonstrates=True, seconds=0.0)
+    assert not _run(Ended(said), tmp_path, None, Interrupts(), demonstrates=True, seconds=0.0)
     shown = capsys.readouterr().out
     assert shown.endswith(told) if len(said) < 2 else told in shown
     assert bool(said) == bool(shown.strip())
 
 
-def test_a_recorder_that_could_not_write_all_is_reported(monkeypatch, capsys):
+def test_a_recorder_that_could_not_write_all_is_reported(monkeypatch, capsys, tmp_path):
     monkeypatch.setattr("drawbar.cli.drive._drive", lambda *arguments, **options: False)
-    assert not _run(Ended([], killed=["recorder"]), None, Interrupts(), demonstrates=False, seconds=0.0)
+    assert not _run(Ended([], killed=["recorder"]), tmp_path, None, Interrupts(), demonstrates=False, seconds=0.0)
     assert "the end of the drive is lost" in capsys.readouterr().out
+
+
+def test_a_drive_that_does_not_start_leaves_no_folder(tmp_path):
+    class Refused(Ended):
+        def __enter__(self):
+            raise HardwareError("the receivers process did not start")
+
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "config.toml").write_text("", "utf-8")
+    with pytest.raises(HardwareError):
+        _run(Refused([]), tmp_path / "run", None, Interrupts(), demonstrates=True, seconds=0.0)
+    assert not any(tmp_path.iterdir())
+
+
+def test_what_is_wrong_with_a_folder_or_a_port_is_told_before_anything_is_compiled(tmp_path, drawbar, monkeypatch):
+    monkeypatch.setattr("drawbar.driving.loop.controller.Controller", lambda *arguments: pytest.fail("it is built"))
+    (tmp_path / "here").mkdir()
+    code, said = drawbar("drive", "--out", "here")
+    assert code == 2
+    assert "here is there already" in " ".join(said.split())
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        code, said = drawbar("drive", "--console", "--port", str(taken.getsockname()[1]), "--out", "new")
+    assert code == 2
+    assert "cannot listen at 127.0.0.1" in " ".join(said.split())
+    assert not (tmp_path / "new").exists()
+
+
+def test_a_line_that_cannot_be_driven_leaves_no_folder(tmp_path, drawbar):
+    code, said = drawbar("drive", "--set", "speed=3.0", "--set", "path.radii=[8.0]", "--out", "new")
+    assert code == 2
+    assert said
+    assert not (tmp_path / "new").exists()
 
 
 def test_a_run_whose_folder_went_away_is_reported(tmp_path):

@@ -18,7 +18,7 @@ from console_stage import staged
 from drawbar.config import load_configuration
 from drawbar.configurations import CONFIGURATION_NAME
 from drawbar.console.run_events import run_events
-from drawbar.console.view import board, picture
+from drawbar.console.view import dashboard, picture
 from drawbar.console.words import Words
 from drawbar.driving.processes.drive_processes import DriveProcesses
 from drawbar.driving.stand_in.demonstration import with_stand_ins
@@ -54,7 +54,7 @@ def test_steering_goes_on_while_the_disk_is_full_and_what_was_written_is_kept(tm
         assert announces(gate)
         assert processes.ended() == []
         for words in WORDS.values():
-            shown = board(gate, words, stale=False, mine=True, holder="1", drives=True)
+            shown = dashboard(gate, words, stale=False, mine=True, holder="1", drives=True)
             assert words("warnings") in shown.heading
             assert words.cause(Cause.NOT_RECORDING) in shown.reasons
             assert picture(gate, None, None, words, stale=False)["unrecorded"]

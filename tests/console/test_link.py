@@ -98,7 +98,7 @@ def test_away_from_any_line_both_bodies_are_drawn_where_their_receivers_are():
 
 def fixes_of(x, y):
     """Return where the trailer's receiver is, as far as fixes are asked for it."""
-    return SimpleNamespace(trailer_x=x, trailer_y=y)
+    return SimpleNamespace(trailer=SimpleNamespace(x=x, y=y))
 
 
 def test_sessions_of_browsers_that_never_come_again_are_forgotten():

@@ -91,6 +91,7 @@ def test_what_is_no_configuration_cannot_be_saved(key, value, reason):
         assert {each.content for each in before} == content
         one.press("Undo")
         assert reason not in one.text()
+        assert not one.enabled("Undo"), "nothing is changed"
         assert stage.next_drive.versions.all() == []
 
     test()

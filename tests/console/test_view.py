@@ -11,7 +11,7 @@ pytest.importorskip("shapefile", reason="the extra `console` is not installed")
 from console_stage import Stage
 
 from drawbar.console.link import STALE
-from drawbar.console.view import board, picture
+from drawbar.console.view import dashboard, picture
 from drawbar.console.words import Words
 from drawbar.driving.messaging.datagrams import CorrectionsFailure, pack
 from drawbar.messages import SupervisorState
@@ -77,15 +77,15 @@ def test_what_is_not_known_is_said_and_is_not_good(stage):
 
 def test_each_state_has_a_word_and_a_symbol_of_its_own(stage):
     states = [replace(stage.link.gate, state=state) for state in SupervisorState]
-    boards = [board(state, EN, stale=False, mine=False, holder=None, drives=True) for state in states]
-    assert len({each.word for each in boards}) == len(SupervisorState)
-    assert len({each.symbol for each in boards}) == len(SupervisorState) - 1  # starting and testing itself share theirs
+    dashboards = [dashboard(state, EN, stale=False, mine=False, holder=None, drives=True) for state in states]
+    assert len({each.word for each in dashboards}) == len(SupervisorState)
+    assert len({each.symbol for each in dashboards}) == len(SupervisorState) - 1  # starting and self-test share theirs
 
 
 def test_the_driver_is_told_to_brake_until_the_vehicle_stands(stage):
     stopping = replace(stage.link.gate, state=SupervisorState.STOPPING, stop=1)
     for speed, brakes in ((1.0, True), (math.nan, True), (0.0, False)):
-        shown = board(stopping, EN, stale=False, mine=True, holder="1", drives=True, speed=speed)
+        shown = dashboard(stopping, EN, stale=False, mine=True, holder="1", drives=True, speed=speed)
         assert shown.brake is brakes
 
 
@@ -95,7 +95,7 @@ def test_what_the_controller_tells_of_sensors_is_said_with_what_to_do(stage, wor
     stage.receive_controller()
     gate = replace(stage.link.gate, state=state, refusals=(0,) * 8)
     told = (Cause.YAW_REJECTED.value, Cause.RECEIVER_SILENT.value, *[0] * 6)
-    shown = board(
+    shown = dashboard(
         gate, words, stale=False, mine=True, holder="1", drives=True,
         controller=replace(stage.link.controller, notices=told),
     )  # fmt: skip
@@ -108,7 +108,7 @@ def test_why_no_corrections_come_is_shown_while_somebody_says_so(stage):
     told = "the caster has no such mount point (404); check devices.corrections.mount"
     stage.receive_controller()
     stage.link.receive(pack(CorrectionsFailure(told)))
-    shown = board(stage.link.gate, DE, stale=False, mine=True, holder="a", drives=True,
+    shown = dashboard(stage.link.gate, DE, stale=False, mine=True, holder="a", drives=True,
                   corrections=stage.link.corrections_failure)  # fmt: skip
     assert shown.reasons[-1] == (
         "Es kommen keine Korrekturen.",
@@ -127,13 +127,13 @@ def test_what_waits_for_the_operator_says_so_first_and_not_to_drive(stage, words
     gate = replace(stage.link.gate, refusals=(*(cause.value for cause in causes), *[0] * 6))
     first = {}
     for state in (SupervisorState.STOPPED, SupervisorState.FAULT, SupervisorState.ESTOP, SupervisorState.OVERRIDE):
-        shown = board(replace(gate, state=state), words, stale=False, mine=True, holder="1", drives=True)
+        shown = dashboard(replace(gate, state=state), words, stale=False, mine=True, holder="1", drives=True)
         assert shown.heading.startswith(words("next"))
         (first[state], _), *others = shown.reasons
         assert words("acknowledge") in first[state]
         assert others == [words.cause(Cause.FIX_LOST)], "it is to stand, not to begin to drive"
     assert first[SupervisorState.OVERRIDE] != first[SupervisorState.STOPPED], "that one may roll"
-    looks_on = board(
+    looks_on = dashboard(
         replace(gate, state=SupervisorState.STOPPED), words, stale=False, mine=False, holder="1", drives=False
     )
     assert looks_on.reasons == (words.cause(Cause.FIX_LOST),), "who may only look cannot press it"
@@ -148,9 +148,9 @@ def test_on_a_headland_only_that_is_said_which_the_driver_can_do_and_no_old_dist
     beside = stage.link.controller
     away = replace(beside, status=Status.FINISHED) if ended else replace(beside, tractor_lateral_error=math.nan)
     others = {"stale": False, "mine": True, "holder": "1", "drives": True}
-    shown = board(gate, EN, controller=away, **others)
+    shown = dashboard(gate, EN, controller=away, **others)
     assert shown.reasons == (EN.cause(Cause.OFF_LINE), EN.cause(Cause.OVERRUN))
-    assert len(board(gate, EN, controller=beside, **others).reasons) == len(causes)
+    assert len(dashboard(gate, EN, controller=beside, **others).reasons) == len(causes)
     figures = picture(gate, away, None, EN, stale=False)
     assert [body["side"] for body in figures["bodies"]] == ["not known"] * 2
     steered = replace(gate, state=SupervisorState.STOPPING)
@@ -162,7 +162,7 @@ def test_while_it_takes_over_nobody_is_told_to_turn_the_wheels(stage):
     gate = replace(stage.link.gate, refusals=(Cause.FIX_LOST.value, Cause.STEERING_APART.value, *[0] * 6))
     others = {"stale": False, "mine": True, "holder": "1", "drives": True}
     listed = {
-        state: board(replace(gate, state=state), EN, **others).reasons
+        state: dashboard(replace(gate, state=state), EN, **others).reasons
         for state in (SupervisorState.STANDBY, SupervisorState.ENGAGING)
     }
     assert EN.cause(Cause.STEERING_APART) in listed[SupervisorState.STANDBY]
@@ -174,7 +174,7 @@ def test_nobody_is_told_to_drive_before_the_emergency_stop_has_been_tried(stage,
     causes = (Cause.TOO_SLOW, *([] if tried else [Cause.EMERGENCY_UNTRIED]))
     codes = (*(cause.value for cause in causes), *[0] * (8 - len(causes)))
     gate = replace(stage.link.gate, state=SupervisorState.STANDBY, refusals=codes)
-    shown = board(gate, EN, stale=False, mine=True, holder="1", drives=True)
+    shown = dashboard(gate, EN, stale=False, mine=True, holder="1", drives=True)
     assert shown.reasons == (EN.cause(causes[-1]),)
 
 
@@ -185,7 +185,7 @@ def test_how_the_controllers_run_has_ended_is_said(stage, words):
     told = set()
     for status in (each for each in Status if each.has_ended):
         heard = replace(stage.link.controller, status=status)
-        shown = board(stopped, words, stale=False, mine=True, holder="1", drives=True, controller=heard)
+        shown = dashboard(stopped, words, stale=False, mine=True, holder="1", drives=True, controller=heard)
         assert words.cause(Cause.CONTROLLER_STOPS)[0] not in shown.detail, "the reason alone is enough"
         assert (status.text.removeprefix("stopped: ")[1:] in shown.detail) == (words is EN)
         told.add(shown.detail)

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from screening_alone import DEVIATION, NAMES, STEP, drive, place, screened, shift
+from screening_alone import DEVIATION, LEFT, NAMES, STEP, drive, place, screened, shift
 
 from drawbar.estimation.settings import ScreeningSettings
 from drawbar.signals import FixStatus
@@ -45,7 +45,7 @@ def test_receivers_that_report_in_turns_prevail_as_well(antenna):
 
 @pytest.mark.parametrize("antenna", [0, 1])
 def test_a_small_lasting_jump_is_exposed_by_receivers_that_report_in_turns(antenna):
-    jump = shift(400, 200, 280, 1, -0.14 * math.sin(0.4), 0.14 * math.cos(0.4))
+    jump = shift(400, 200, 280, trailer=0.14 * LEFT)
     results = screened(in_turns(drive(400, jump), antenna))
     masked = [k for k, result in enumerate(results) if result.fixes[1] is FixStatus.REJECTED]
     assert 200 < masked[0] <= 216
@@ -54,7 +54,7 @@ def test_a_small_lasting_jump_is_exposed_by_receivers_that_report_in_turns(anten
 
 @pytest.mark.parametrize("every", [2, 3])
 def test_a_small_lasting_jump_is_exposed_by_receivers_that_report_less_often(every):
-    jump = shift(400, 200, 280, 1, -0.14 * math.sin(0.4), 0.14 * math.cos(0.4))
+    jump = shift(400, 200, 280, trailer=0.14 * LEFT)
     results = screened(sparse(drive(400, jump), every))
     masked = [k for k, result in enumerate(results) if result.fixes[1] is FixStatus.REJECTED]
     assert 200 < masked[0] <= 200 + 8 * every

@@ -56,12 +56,12 @@ def test_a_run_without_a_result_is_reported_and_tried_again(
     experiment = write_experiment(two_cases + 'expected.slow."trailer all" = { at_most = 5.0 }')
     wrong = experiment.settings.model_copy(update={"columns": ("error.plough",)})  # that no file can say
     experiment = dataclasses.replace(experiment, settings=wrong)
-    runs = measure(cluster, experiment, 1, progress)
+    runs = measure(cluster, experiment, 2, progress)
     assert all(not each.results for each in runs.values())
     assert files(experiment) == {}
-    misses = measured_of(experiment, runs, 1).misses()
+    misses = measured_of(experiment, runs, 2).misses()
     assert len(misses) == 3
-    assert misses[0].startswith("articulated: seed 0: AttributeError: ")
+    assert misses[0].startswith("articulated: seed 0, 1: AttributeError: "), "once for all seeds"
     assert misses[2] == "slow: trailer all is –, expected ≤ 5"
 
 

@@ -8,10 +8,10 @@ import re
 import sys
 import tempfile
 from contextlib import asynccontextmanager, contextmanager
-from dataclasses import fields
 from pathlib import Path
 
 import httpx
+from fixes import fixes_of
 from nicegui import Client, core, ui
 from nicegui.functions.navigate import Navigate
 from nicegui.functions.notify import notify
@@ -29,7 +29,7 @@ from drawbar.driving.messaging.console_options import ConsoleOptions
 from drawbar.driving.stand_in.demonstration import with_stand_ins
 from drawbar.geometry import LocalFrame
 from drawbar.guidance.figure_eight import figure_eights
-from drawbar.messages import ControllerState, Fixes
+from drawbar.messages import ControllerState
 from drawbar.messages.records import encode
 from drawbar.safety.causes import Cause
 from drawbar.safety.engagement import Engagement, Situation
@@ -126,13 +126,12 @@ class Stage:
 
     def receive_fixes(self, x, y, course=math.nan, quality=5, satellites=(0, 0), **values):
         """Let the receivers say where the tractor's antenna is."""
-        numbers = {each.name: math.nan for each in fields(Fixes)}
-        numbers |= {each: 0 for each in numbers if each.endswith("_time") or each in ("sequence", "valid_until")}
-        numbers |= {"tractor_heard": 1, "trailer_heard": 1}
+        whole = ("sequence", "valid_until", "hitch_angle_time", "wheel_speed_time")
+        numbers = dict.fromkeys((*whole, "tractor_attitude_time", "trailer_attitude_time"), 0)
         numbers |= {"time": self.now, "epoch": self.now, "first_byte": self.now, "trailer_quality": quality}
         numbers |= {"tractor_x": x, "tractor_y": y, "tractor_course": course, "tractor_quality": quality}
         numbers |= dict(zip(("tractor_satellites", "trailer_satellites"), satellites, strict=True)) | values
-        self.link.receive(encode(Fixes(**numbers)))
+        self.link.receive(encode(fixes_of(math.nan, **numbers)))
 
 
 class Watcher:

@@ -27,7 +27,7 @@ _NUMBERS = (
 _BEGIN = datetime.datetime(2026, 11, 22, 12, tzinfo=datetime.UTC)
 _SENTENCES = (nmea.gga, nmea.vtg, nmea.gst, nmea.rmc, nmea.zda, nmea.hdt, nmea.ths, nmea.hrp, nmea.hpr, nmea.avr)
 _ENCODERS = (*_SENTENCES, nmea.rot, nmea.ksxt, nmea.panda, nmea.paogi, ubx.pvt, ubx.hpposllh, ubx.relposned)
-_BLOCKS = (sbf.pvt_geodetic, sbf.pos_cov_geodetic, sbf.att_euler, sbf.att_cov_euler)
+_BLOCKS = (sbf.pvt_geodetic, sbf.pos_cov_geodetic, sbf.att_euler)
 
 
 def corpus(chance: random.Random) -> list[bytes]:

@@ -50,7 +50,7 @@ DIALECTS: dict[str, Encoder] = {
     "KSXT": _of(nmea.ksxt),
     "PANDA": _of(nmea.panda),
     "PAOGI": _of(nmea.paogi),
-    "SBF": _of(sbf.pvt_geodetic, sbf.pos_cov_geodetic, sbf.att_euler, sbf.att_cov_euler),
+    "SBF": _of(sbf.pvt_geodetic, sbf.pos_cov_geodetic, sbf.att_euler),
     "SBF alone": _of(sbf.pvt_geodetic),
     "UBX": _of(ubx.pvt, ubx.hpposllh, ubx.relposned),
     "GGA UBX": _of(nmea.gga, nmea.vtg, ubx.relposned),

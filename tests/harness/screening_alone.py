@@ -13,6 +13,18 @@ from drawbar.signals import FixStatus, Measurement
 
 DEVIATION, LENGTH, STEP = 0.03, 2.15, 0.2
 NAMES = ("tractor_x", "tractor_y", "trailer_x", "trailer_y")
+OK, MISSING, STALE, REJECTED = FixStatus
+LATER = 100
+"""sample by which the estimate has long been confirmed"""
+
+
+def toward(angle):
+    """Return the unit vector in a direction, rad."""
+    return np.array([math.cos(angle), math.sin(angle)])
+
+
+HEADING = 0.4
+AHEAD, LEFT = toward(HEADING), toward(HEADING + math.pi / 2.0)
 
 UNIT = """
 #include "screening.h"
@@ -65,11 +77,10 @@ class Screening(Alone):
         return Screened(taken(Measurement, believed), tuple(map(FixStatus, fixes)), exposed[0], bool(restart[0]))
 
 
-def place(k, heading=0.4):
+def place(k):
     """Return where both antennas are expected at sample k, 0.2 m further along the heading with each."""
-    ahead = np.array([math.cos(heading), math.sin(heading)])
-    tractor = 5.0 + STEP * k * ahead
-    return tuple(tractor.tolist()), tuple((tractor - LENGTH * ahead).tolist())
+    tractor = 5.0 + STEP * k * AHEAD
+    return tuple(tractor.tolist()), tuple((tractor - LENGTH * AHEAD).tolist())
 
 
 def drive(count, errors=None, *, noise=DEVIATION, seed=1, speed=1.0):
@@ -84,17 +95,26 @@ def drive(count, errors=None, *, noise=DEVIATION, seed=1, speed=1.0):
     ]
 
 
-def screened(measurements, screening=None, *, speed=1.0):
-    screening = screening or Screening(ScreeningSettings(), DEVIATION)
+def screened(measurements, *, speed=1.0):
+    """Return what is believed of each measurement of a drive."""
+    screening = Screening(ScreeningSettings(), DEVIATION)
     return [screening.screen(measurement, place(speed * k)) for k, measurement in enumerate(measurements)]
 
 
-def shift(count, first, last, antenna, east, north):
+def shift(count, first, last, tractor=(0.0, 0.0), trailer=(0.0, 0.0)):
+    """Return errors (count, 4) by which both antennas are off from a sample until another, m."""
     errors = np.zeros((count, 4))
-    errors[first:last, 2 * antenna : 2 * antenna + 2] = east, north
+    errors[first:last] = [*tractor, *trailer]
     return errors
 
 
+def lost(measurements, first, last):
+    """Return measurements without fixes from a sample until another."""
+    nothing = dict.fromkeys(NAMES, math.nan)
+    return [replace(m, **nothing) if first <= k < last else m for k, m in enumerate(measurements)]
+
+
 def held(measurements, first, last, names=NAMES):
+    """Return measurements that repeat fixes from a sample until another."""
     old = {name: getattr(measurements[first - 1], name) for name in names}
     return [replace(m, **old) if first <= k < last else m for k, m in enumerate(measurements)]

@@ -43,6 +43,7 @@ def test_units_ranges_and_meanings_are_those_of_the_declarations() -> None:
     assert limit.meaning == "largest |delta_t| that may be commanded"
     horizon = keys["controller", 'model = "tricycle"', "controller.horizon"]
     assert (horizon.default, horizon.allowed) == ("20", "integer ≥ 2, ≤ 200")
+    assert keys["", "", "speed"].allowed == "number ≥ 0.05, ≤ 20", "a limit that another one implies is left out"
     assert keys["", "", "acceleration"].unit == "m/s²"
     assert keys["start", "", "start.ahead"].unit == "m"
     widening = keys["controller.sharing", "", "controller.sharing.widening"]

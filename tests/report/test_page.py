@@ -186,6 +186,14 @@ def test_a_run_without_a_step_is_headed_as_a_run_and_a_drive_as_a_drive(make_run
         assert f"drawbar {kind}" in "".join(Elements(render(log, events)).visible)
 
 
+def test_of_a_drive_nothing_is_named_that_only_a_simulation_knows(make_run):
+    simulated = render(make_run(steps=30))
+    driven = render(make_run(truth=False, steps=30))
+    for words in ("real-time factor", ", true"):
+        assert words in simulated
+        assert words not in driven
+
+
 def with_progress(log, progress):
     def moved(record, place):
         tractor = dataclasses.replace(record.reference.tractor, progress=place)

@@ -100,7 +100,7 @@ def test_states_with_a_budget_end_by_it(state):
     engagement.update(100.0 + limit - 0.001, Situation(causes=causes))
     assert engagement.state is state
     assert engagement.remaining(100.0 + limit - 0.001) == pytest.approx(0.001)
-    engagement.update(100.0 + limit + 0.001, Situation(causes=causes))
+    engagement.update(100.0 + limit, Situation(causes=causes))
     assert (engagement.state, engagement.cause) == {
         SELFTEST: (STANDBY, None),
         ENGAGING: (FAULT, Cause.NOT_TAKEN),
@@ -333,7 +333,7 @@ def test_it_recovers_only_after_calm():
         cause = (Cause.FIX_LOST,) if tick % 30 == 0 else ()
         assert engagement.update(100.0 + 0.05 * tick, Situation(causes=cause)) is DEGRADED
     assert engagement.update(103.4, Situation(causes=())) is DEGRADED
-    assert engagement.update(103.55, Situation(causes=())) is ACTIVE, "2 s after 101.5"
+    assert engagement.update(103.5, Situation(causes=())) is ACTIVE, "2 s after 101.5"
 
 
 def test_a_stop_ends_where_the_vehicle_stands_and_hurries_before():

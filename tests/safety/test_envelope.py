@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drawbar.messages import CommandMessage, Mode
-from drawbar.safety.envelope import LOST, SEQUENCES, Bounds, Envelope
+from drawbar.safety.envelope import Bounds, Envelope, is_after
 from drawbar.safety.settings import EnvelopeSettings, SafetySettings
 
 SETTINGS = SafetySettings()
@@ -36,15 +36,19 @@ def test_a_fresh_command_is_admitted_once():
     assert envelope.admit(command(sequence=2), 10.1)
 
 
-@pytest.mark.parametrize("first", [0, 5, SEQUENCES - 3])
+@pytest.mark.parametrize("first", [0, 5, 2**32 - 3])
 @pytest.mark.parametrize(
-    ("ahead", "admitted"),
-    [(1, True), (LOST, True), (LOST + 1, False), (0, False), (-1, False), (SEQUENCES // 2, False)],
+    ("ahead", "admitted"), [(1, True), (10, True), (11, False), (0, False), (-1, False), (2**31, False)]
 )
 def test_sequences_follow_one_another(first, ahead, admitted):
     envelope = Envelope(SETTINGS, BOUNDS)
     assert envelope.admit(command(sequence=first), 10.0)
-    assert envelope.admit(command(sequence=(first + ahead) % SEQUENCES), 10.0) is admitted
+    assert envelope.admit(command(sequence=(first + ahead) % 2**32), 10.0) is admitted
+
+
+@pytest.mark.parametrize(("ahead", "after"), [(0, False), (1, True), (2**31 - 1, True), (2**31, False), (-1, False)])
+def test_the_later_half_of_all_sequences_is_before(ahead, after):
+    assert is_after((2**32 - 1 + ahead) % 2**32, 2**32 - 1) is after
 
 
 def test_after_a_refused_gap_the_next_ones_follow_but_no_old_one():
@@ -64,6 +68,7 @@ def test_after_a_refused_gap_the_next_ones_follow_but_no_old_one():
         (10.21, 0.2, False),  # too old, and expired
         (9.99, 0.2, False),  # from the future
         (10.0, 0.21, False),  # claims to be valid for too long
+        (10.125, 0.125, True),  # at the end of its time
         (10.05, 0.05, True),
         (10.06, 0.05, False),  # expired by its own account
         (10.0, -0.01, False),

@@ -66,6 +66,17 @@ def test_a_steering_that_rests_less_far_off_is_stuck_after_longer(sign):
     assert not followed(moves, lambda t: sign * 3.0 + moves(t), 9.0).stuck, "it is 3° off, and moves as its set point"
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_steering_that_swings_and_does_not_come_nearer_is_stuck(sign):
+    assert followed(lambda t: math.sin(8.0 * t), lambda t: sign * 8.0).stuck
+    assert not followed(lambda t: math.sin(8.0 * t), lambda t: sign * 4.0).stuck, "at times it need not move"
+
+
+def test_it_keeps_no_more_than_it_judges():
+    following = followed(lambda t: t, lambda t: t, 60.0)
+    assert len(following._samples) == 50, "2.4 s, and one before"
+
+
 def test_however_long_a_steering_may_take_it_is_seen():
     assert followed(lambda t: 0.0, lambda t: 3.6, 61.0, stuck_time=60.0, stuck_angle=3.5 * DEGREE).stuck
 
@@ -75,6 +86,7 @@ def test_a_steering_that_moves_away_is_reversed(sign):
     assert followed(lambda t: -sign * 12.0 * t, lambda t: sign * 1.5, 0.4).reversed
     assert not followed(lambda t: -sign * 12.0 * t, lambda t: sign * 1.5, 0.25).reversed, "not yet for long enough"
     assert not followed(lambda t: -sign * 12.0 * t, lambda t: sign * 0.9 - sign * 12.0 * t, 0.4).reversed, "it follows"
+    assert followed(lambda t: -sign * 12.0 * t, lambda t: sign * 1.1, 0.35).reversed, "1.7° off is on one side"
     assert not followed(lambda t: sign * 12.0 * t, lambda t: sign * 30.0, 1.5).reversed
     assert not followed(lambda t: -sign * 6.0 * t, lambda t: sign * 1.5, 1.5).reversed, "it drifts slowly"
     late = followed(lambda t: -sign * (30.0 * min(t, 0.15) - 2.0 * max(t - 0.15, 0.0)), lambda t: sign * 1.5, 0.4)

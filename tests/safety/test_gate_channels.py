@@ -5,18 +5,12 @@ import socket
 import stat
 
 import pytest
-from gate_bench import FakeSteering, FakeTransport
+from gate_bench import FakeSpeed, FakeSteering, FakeTransport
 
 from drawbar.errors import HardwareError
 from drawbar.protocols.actuator import SteeringReport, SteeringRequest
 from drawbar.protocols.speed_actuator import SpeedReport, SpeedRequest
-from drawbar.safety.channels import (
-    SUBSCRIBERS,
-    ControllerChannel,
-    OperatorChannel,
-    controller_pair,
-    open_operator_socket,
-)
+from drawbar.safety.channels import ControllerChannel, OperatorChannel, controller_pair, open_operator_socket
 from drawbar.safety.wires import Wire, Wires
 from drawbar.transports.base import CanBus, CanFrame
 
@@ -136,8 +130,8 @@ def test_states_go_to_those_given_at_the_start_and_to_senders_until_they_are_gon
 
 def test_subscribers_are_bounded_and_slow_ones_are_not_waited_for(operators):
     channel, folder = operators
-    fronts = [front_end(folder, f"front{index}") for index in range(SUBSCRIBERS + 1)]
-    for index in range(SUBSCRIBERS + 1):
+    fronts = [front_end(folder, f"front{index}") for index in range(17)]
+    for index in range(17):
         channel.subscribe(str(folder / f"front{index}"))
     for _ in range(2000):
         channel.publish(bytes(169))
@@ -176,10 +170,19 @@ class FakeCan(CanBus):
 
 
 def test_a_bus_carries_several_actuators():
-    bus, tractor, trailer = FakeCan(), FakeSteering("tractor"), FakeSteering("trailer")
-    wires = Wires([Wire(transport=bus, tractor=tractor, trailer=trailer)])
+    bus, tractor, trailer, speed = FakeCan(), FakeSteering("tractor"), FakeSteering("trailer"), FakeSpeed()
+    wires = Wires([Wire(transport=bus, tractor=tractor, trailer=trailer, speed=speed)])
     wires.receive()
     assert tractor.received == trailer.received == [(1.5, CanFrame(0x123, b"x"), "")]
+    left, right = (SteeringRequest(steer=True, angle=angle, speed=1.0) for angle in (0.2, -0.1))
+    assert wires.send(1.0, (left, right), STOP)
+    assert bus.written == [b"tractor on", b"trailer on", b"speed"]
+    assert (tractor.requests, trailer.requests, speed.requests) == ([(1.0, left)], [(1.0, right)], [(1.0, STOP)])
+
+
+def test_a_bus_without_a_speed_actuator_does_not_drive():
+    bus = FakeCan()
+    wires = Wires([Wire(transport=bus, tractor=FakeSteering("tractor"), trailer=FakeSteering("trailer"))])
     assert wires.send(1.0, (OFF, OFF), STOP)
     assert bus.written == [b"tractor off", b"trailer off"]
     assert wires.descriptors() == [9]

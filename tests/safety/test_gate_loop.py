@@ -79,6 +79,21 @@ def test_its_pace_counts_from_the_last_tick_and_missed_ticks_are_left_out(loop):
     assert min(after - before for before, after in itertools.pairwise(ticks)) > 0.01, "no burst"
 
 
+def test_a_tick_is_late_by_what_is_beyond_the_period_after_the_last_one_though_it_may_come_sooner(loop):
+    bench = Bench()
+    end_at(bench, 2.0, lambda: setattr(bench.gate.watch.troubles, "ended", True))
+    ticks, tick = [], bench.gate.tick
+    bench.gate.tick = lambda time, late: (ticks.append((time, late)), tick(time, late))
+    bench.gate.receive = lambda clock: len(ticks) == 20  # something new, as after the 20th tick
+    loop(bench, {97: 0.1})
+    assert ticks[0][1] <= 1e-5
+    assert ticks[20][0] - ticks[19][0] < 0.011
+    assert [late for _, late in ticks[1:]] == pytest.approx(
+        [max(time - before - 0.05, 0.0) for (before, _), (time, _) in itertools.pairwise(ticks)]
+    )
+    assert 0.059 < max(late for _, late in ticks) < 0.061
+
+
 @pytest.mark.parametrize(("since", "following"), [(0.02, 0.025), (0.01, 0.0125)])
 def test_the_tick_after_a_command_comes_between_it_and_the_next_one_and_soon_after_one_just_before(
     loop, since, following

@@ -172,7 +172,7 @@ def test_a_command_that_comes_while_a_busy_bus_is_read_or_the_gate_waits_for_a_p
         setattr(place, call, read)
         bench.time += 0.02
         times = {"time": bench.ns(bench.time), "valid_until": bench.ns(bench.time + 0.2)}
-        bench.channel.waiting.append(bench.command_record(**times))
+        bench.channel.waiting.append(bench.command_record(tractor_angle=0.01, **times))
         return read(*arguments)
 
     setattr(place, call, takes_20_ms)
@@ -187,7 +187,10 @@ def test_a_look_is_urgent_only_while_it_steers():
     bench.ask(Action.STOP)
     assert not bench.receive()
     bench = driving()
-    assert bench.receive(), "a new command does not wait"
+    assert not bench.receive(), "a repeated one waits"
+    for changes in ({"tractor_angle": 0.01}, {"trailer_angle": 0.01}, {"speed": 1.1}, {"mode": Mode.STOP}):
+        bench.command |= changes
+        assert bench.receive(), "a new command does not wait"
     assert not bench.gate.receive(lambda: bench.time)
     for action in (Action.STOP, Action.RELEASE, Action.EMERGENCY):
         bench.ask(action)
@@ -201,6 +204,17 @@ def test_a_look_is_urgent_only_while_it_steers():
     bench = driving()
     bench.channel.gone = True
     assert bench.receive()
+
+
+def test_an_angle_that_a_late_tick_has_not_asked_for_is_not_missed_before_the_next_tick():
+    bench = driving()
+    bench.tractor.silent_since = bench.time
+    bench.time += 0.22
+    bench.receive()
+    bench.gate.tick(bench.time, 0.13)
+    assert bench.state is ACTIVE
+    bench.run()
+    assert (bench.state, bench.cause) == (SupervisorState.STOPPING, Cause.STEERING_OLD)
 
 
 def test_frames_and_records_that_are_dropped_are_counted():

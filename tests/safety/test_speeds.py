@@ -88,7 +88,7 @@ def test_it_stands_only_for_certain():
     assert not speeds.stands(11.0, 0.05)
 
 
-@pytest.mark.parametrize(("period", "found"), [(0.2, True), (0.4, True), (1.0, False)])
+@pytest.mark.parametrize(("period", "found"), [(0.2, True), (0.4, True), (0.575, True), (0.6, False), (1.0, False)])
 def test_speeds_of_another_time_contradict_nothing(period, found):
     # a receiver that sends once a second tells the mean of five seconds, in which a vehicle halves its speed
     speeds = Speeds(SETTINGS)

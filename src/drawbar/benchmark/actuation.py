@@ -216,8 +216,9 @@ def angle_table() -> str:
     rows = [["law", "t90, s", "overshoot, °", "rest error, °", "swing, °", "reversals in 3 s"]]
     for case in ANGLE_CASES:
         made = drive_angle(case)
-        degrees = [f"{math.degrees(value):.2f}" for value in (made.overshoot, made.rest, made.swing)]
-        rows.append([case.name, f"{made.t90:.2f}", *degrees, str(made.reversals)])
+        degrees = [f"{math.degrees(value):z.2f}" for value in (made.overshoot, made.rest, made.swing)]
+        t90 = f"{made.t90:.2f}" if math.isfinite(made.t90) else "never"
+        rows.append([case.name, t90, *degrees, str(made.reversals)])
     return _table(rows)
 
 

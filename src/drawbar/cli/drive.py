@@ -2,8 +2,10 @@
 
 import sys
 import time
-from contextlib import ExitStack
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path as FilePath
+from shutil import rmtree
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -81,29 +83,33 @@ def drive(
     """
     from drawbar.cli.calibrate import remember as keep_steerings
     from drawbar.cli.interrupts import Interrupts
+    from drawbar.driving.loop.controller import Controller
     from drawbar.driving.processes.drive_processes import DriveProcesses
     from drawbar.extras import require_extra
     from drawbar.recording.log import LOG_NAME
+    from drawbar.simulation import build_path
 
+    options = None
     if with_console:
         require_extra("drawbar drive --console", "machine", "console")
         _demand_real_time(pace)
+        options = pages.options(folder="", configuration="", runs=str(out.parent if out else "runs"))
     require_extra("drawbar drive", "machine")
     if remember:
         _demand_what_is_remembered(configuration, changes or [], shadow=shadow)
     given = [*line_changes(path, ""), *(changes or [])]
     changes = [*line_changes(None, _chosen_track(configuration, track, given)), *given]
     config, stand_ins = _configured(configuration, changes, pace)
-    runs = str(out.parent if out else "runs")
-    options = pages.options(folder="", configuration="", runs=runs) if with_console else None
     shown = _shown_at(live_port) if live else None
     folder = _new_folder(out, config)
+    with _removed_unless_done(folder), compiling():
+        Controller(config, build_path(config)[0], config.safety.fingerprint())
     demonstrates = stand_ins and not (by_hand or shadow or with_console)
     with Interrupts() as interrupts:
         processes = DriveProcesses(
             config, folder, stand_ins=stand_ins, shadow=shadow, pace=pace, live=shown, console=options
         )
-        failed = _run(processes, options, interrupts, demonstrates=demonstrates, seconds=seconds)
+        failed = _run(processes, folder, options, interrupts, demonstrates=demonstrates, seconds=seconds)
         _report(folder, shadow=shadow)
         if remember:
             keep_steerings(FilePath(configuration), folder / LOG_NAME)
@@ -161,14 +167,12 @@ def _chosen_track(name: str, track: str, changes: list[str]) -> str:
 
 
 def _configured(name: str, changes: list[str], pace: int) -> tuple["Configuration", bool]:
-    """Return what to drive, its control step compiled, and whether all of its devices are stand-ins."""
+    """Return what to drive, and whether all of its devices are stand-ins."""
     from drawbar.config import load_configuration
     from drawbar.driving.devices.pace import demand_stand_in
-    from drawbar.driving.loop.controller import Controller
     from drawbar.driving.preparation.matching_settings import demand_matching_settings
     from drawbar.driving.stand_in.demonstration import with_stand_ins
     from drawbar.machine.hardware.corrections.corrections import new_client
-    from drawbar.simulation import build_path
 
     config = load_configuration(name, changes)
     demand_matching_settings(config)
@@ -181,13 +185,12 @@ def _configured(name: str, changes: list[str], pace: int) -> tuple["Configuratio
         config = with_stand_ins(config)
         time_passes = "in real time" if pace == 1 else f"{pace} times as fast as real time"
         console.print(f"no [devices] are configured: driving stand-ins of all of them on this computer, {time_passes}")
-    with compiling():
-        Controller(config, build_path(config)[0], config.safety.fingerprint())
     return config, stand_ins
 
 
 def _run(
     processes: "DriveProcesses",
+    folder: FilePath,
     options: "ConsoleOptions | None",
     interrupts: "Interrupts",
     *,
@@ -198,7 +201,7 @@ def _run(
     from drawbar.driving.messaging.process_options import RECORDER
 
     with ExitStack() as started:
-        with console.status("starting the processes …"):
+        with console.status("starting the processes …"), _removed_unless_done(folder):
             started.enter_context(processes)
         _tell_said(processes.output())
         if options is not None:
@@ -288,7 +291,8 @@ def _new_folder(chosen: FilePath | None, config: "Configuration") -> FilePath:
     try:
         str(folder).encode()  # as the drive's processes are told it
         folder.mkdir(parents=True)
-        (folder / CONFIGURATION_NAME).write_text(config.to_toml(), "utf-8")
+        with _removed_unless_done(folder):
+            (folder / CONFIGURATION_NAME).write_text(config.to_toml(), "utf-8")
     except UnicodeEncodeError as error:
         raise DrawbarError(f"{str(folder)!r} is no name in UTF-8; choose another --out folder") from error
     except FileExistsError as error:
@@ -296,3 +300,13 @@ def _new_folder(chosen: FilePath | None, config: "Configuration") -> FilePath:
     except OSError as error:
         raise DrawbarError(f"{folder}: cannot be written ({error.strerror}); choose another --out folder") from error
     return folder
+
+
+@contextmanager
+def _removed_unless_done(folder: FilePath) -> Iterator[None]:
+    """Remove a new folder again where what is done here fails: nothing has been driven."""
+    try:
+        yield
+    except BaseException:
+        rmtree(folder, ignore_errors=True)
+        raise

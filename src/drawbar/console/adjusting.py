@@ -5,7 +5,7 @@ from collections.abc import Callable
 from nicegui import ui
 
 from drawbar.console.link import Link
-from drawbar.console.view import Board, drives_chosen_line, set_speed_text, shift_text
+from drawbar.console.view import Dashboard, drives_chosen_line, set_speed_text, shift_text
 from drawbar.console.widgets import button
 from drawbar.console.words import Words
 from drawbar.driving.operator.requests import changed_speed
@@ -64,7 +64,7 @@ class Adjusting:
             self._button("▶▶", "pass_right", lambda: self._change_pass(-1))
             self._button(words("pass_nearest"), "pass_nearest_help", self._take_nearest).classes("nearest")
 
-    def show(self, shown: Board) -> None:
+    def show(self, shown: Dashboard) -> None:
         """Show what may be changed now."""
         self._fine.set_visibility(shown.may_adjust)
         self._passes.set_visibility(shown.may_choose_line and self._width > 0.0)

@@ -59,9 +59,8 @@ class DeviceRates:
         """Take in a message at a time, ns."""
         if isinstance(message, Fixes):
             none = (FixQuality.UNKNOWN, FixQuality.NONE)
-            for body in ("tractor", "trailer"):
-                received = getattr(message, f"{body}_quality") not in none
-                self._stamp(f"{body}_receiver", message.epoch if received else 0, now)
+            for name, report in (("tractor_receiver", message.tractor), ("trailer_receiver", message.trailer)):
+                self._stamp(name, 0 if report.quality in none else message.epoch, now)
             self._stamp("hitch_sensor", message.hitch_angle_time, now)
             self._stamp("wheel_sensor", message.wheel_speed_time, now)
         elif isinstance(message, ControllerState):

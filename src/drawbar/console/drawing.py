@@ -182,10 +182,10 @@ def moving_by_hand(place: tuple[float, float, float], fixes: Fixes, vehicle: Veh
     joint = x - vehicle.free_joint_offset * math.cos(yaw), y - vehicle.free_joint_offset * math.sin(yaw)
     reach = vehicle.drawbar_length + vehicle.trailer_length - vehicle.trailer_antenna
     forward, left, _ = vehicle.masts.trailer.arm
-    faces = math.atan2(joint[1] - fixes.trailer_y, joint[0] - fixes.trailer_x) - math.atan2(-left, reach - forward)
+    faces = math.atan2(joint[1] - fixes.trailer.y, joint[0] - fixes.trailer.x) - math.atan2(-left, reach - forward)
     if math.isfinite(faces):
         east, north = arm_offset(faces, 0.0, 0.0, (forward, left, 0.0))
-        trailer = fixes.trailer_x - east, fixes.trailer_y - north, wrap(faces)
+        trailer = fixes.trailer.x - east, fixes.trailer.y - north, wrap(faces)
     else:  # it has no receiver: drawn straight behind
         trailer = joint[0] - reach * math.cos(yaw), joint[1] - reach * math.sin(yaw), yaw
     return Moving(tractor=(x, y, yaw), trailer=trailer, steering=0.0, plans=([], []))

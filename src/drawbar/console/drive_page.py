@@ -1,4 +1,4 @@
-"""Drive page: what one needs to drive, on one screen. Built of the board, the instruments and the controls."""
+"""Drive page: what one needs to drive, on one screen. Built of the dashboard, the instruments and the controls."""
 
 from collections.abc import Callable, Hashable
 from typing import Any
@@ -11,7 +11,7 @@ from drawbar.console.drawing import Lines, Moving, moving_by_hand
 from drawbar.console.instruments import Instruments
 from drawbar.console.link import Link
 from drawbar.console.menu import menu
-from drawbar.console.view import Board, board, display_name, picture
+from drawbar.console.view import Dashboard, dashboard, display_name, picture
 from drawbar.console.visitors import Visitor
 from drawbar.console.widgets import button, heading
 from drawbar.console.words import Words
@@ -32,7 +32,7 @@ class DrivePage:
         self._link, self._visitor, self._words, self._lines = link, visitor, words, lines
         self._speed, self._working_width = float(standing["speed"]), float(standing["workingWidth"])
         self._offset, self._lost = 0.0, False
-        self._shown: Board | None = None
+        self._shown: Dashboard | None = None
         self._debouncer = Debouncer()
         self._refusal_count = link.session(visitor).refusal_count
         with ui.element("div").classes("cockpit"):
@@ -56,7 +56,7 @@ class DrivePage:
         link, words = self._link, self._words
         session, gate, now = link.session(self._visitor), link.gate, link.clock()
         mine = gate is not None and gate.lease == session.number
-        shown = board(
+        shown = dashboard(
             gate,
             words,
             stale=link.is_stale,
@@ -165,7 +165,7 @@ class DrivePage:
         elif session.refusal_count == before:
             self._notify(self._words("too_often"))
 
-    def _places(self, shown: Board) -> dict[Action, Hashable]:
+    def _places(self, shown: Dashboard) -> dict[Action, Hashable]:
         """Return what the place of each action's button depends on: it stands above those that come and go below."""
         row = (shown.may_acknowledge, shown.steers)
         rows = (*row, self._adjusting.folded, shown.may_choose_line)
@@ -191,7 +191,7 @@ class DrivePage:
         self._link.wish(self._visitor)
         self._notify(self._words("asked_control"))
 
-    def _show(self, shown: Board) -> None:
+    def _show(self, shown: Dashboard) -> None:
         self._shown = shown
         self._bar.classes(replace=f"bar tone-{shown.tone}")
         self._symbol.set_text(shown.symbol)
@@ -221,7 +221,7 @@ class DrivePage:
         self._give.set_visibility(bool(names) and not driving)
 
 
-def _list(shown: Board) -> None:
+def _list(shown: Dashboard) -> None:
     """Build the list of reasons."""
     heading(shown.heading)
     with ui.element("ol"):

@@ -110,7 +110,7 @@ class Link:
         fixes = self.fixes
         if fixes is None:
             return 0
-        return min((each for each in (fixes.tractor_satellites, fixes.trailer_satellites) if each), default=0)
+        return min((each for each in (fixes.tractor.satellites, fixes.trailer.satellites) if each), default=0)
 
     @property
     def fixes(self) -> Fixes | None:
@@ -148,7 +148,7 @@ class Link:
             self.devices.receive(message, self.clock())
         if isinstance(message, Fixes):
             self._fixes = message
-            self._motion = Motion(1e-9 * message.epoch, message.tractor_speed, message.tractor_yaw_rate)
+            self._motion = Motion(1e-9 * message.epoch, message.tractor.speed, message.tractor.yaw_rate)
             fresh = self.moving is not None and self.clock() - self._stepped <= STALE
             self.surveyor.receive_fixes(
                 message,

@@ -4,7 +4,7 @@ from nicegui import ui
 
 from drawbar.console.link import Link
 from drawbar.console.menu import menu
-from drawbar.console.view import board
+from drawbar.console.view import dashboard
 from drawbar.console.visitors import Visitor
 from drawbar.console.widgets import button
 from drawbar.console.words import Words
@@ -28,7 +28,7 @@ class PageHead:
     def refresh(self) -> None:
         """Show the state that is so now."""
         link = self._link
-        shown = board(
+        shown = dashboard(
             link.gate,
             self._words,
             stale=link.is_stale,

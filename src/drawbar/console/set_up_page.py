@@ -110,7 +110,7 @@ class SetUpPage:
             self._flaw = ui.label().classes("flaw").props("role=alert")
             with ui.element("div").classes("line-up"):
                 self._save = button(words("save_version"), self._keep, "action main")
-                button(words("undo"), self._reset)
+                self._undo = button(words("undo"), self._reset)
             ui.label(words("saving_help" if self._may_change else "only_maintainer")).classes("note")
 
     def _build_devices(self) -> None:
@@ -149,6 +149,7 @@ class SetUpPage:
         self._said.set_text(said)
         self._flaw.set_text(flaw)
         self._save.set_enabled(self._may_save())
+        self._undo.set_enabled(bool(self._changes(before)))
 
     def _changes(self, before: Configuration) -> list[str]:
         """Return KEY=VALUE of all numbers that are not shown as they were."""

@@ -61,10 +61,10 @@ class Surveyor:
             return math.nan
         curvature = math.tan(steering) / self._wheelbase
         swing = math.atan2(curvature * forward, 1.0 - curvature * left)
-        fast = fixes.tractor_speed >= _COURSE
+        fast = fixes.tractor.speed >= _COURSE
         if not math.isfinite(known):
             turned = swing + (math.pi if fixes.wheel_speed < 0.0 else 0.0)
-            return wrap(fixes.tractor_course - turned) if fast else math.nan
+            return wrap(fixes.tractor.course - turned) if fast else math.nan
         east, north = self._upright(known) - self._moved_from
         if math.hypot(east, north) < _STEP:
             return known
@@ -73,7 +73,7 @@ class Surveyor:
             return self._pulled(known, east, north)
         turned = swing + (math.pi if reverses else 0.0)
         behind = _PULL * math.cos(known + turned), _PULL * math.sin(known + turned)
-        direction = fixes.tractor_course if fast else math.atan2(north + behind[1], east + behind[0])
+        direction = fixes.tractor.course if fast else math.atan2(north + behind[1], east + behind[0])
         return wrap(direction - turned)
 
     def _pulled(self, known: float, east: float, north: float) -> float:
@@ -102,7 +102,7 @@ class Surveyor:
         antenna, fixes = self._antenna(), self._fixes
         if antenna is None or fixes is None or math.isfinite(self._yaw):
             return self.place
-        yaw = math.atan2(antenna[1] - fixes.trailer_y, antenna[0] - fixes.trailer_x)
+        yaw = math.atan2(antenna[1] - fixes.trailer.y, antenna[0] - fixes.trailer.x)
         east, north = self._arm(yaw)
         return (antenna[0] - east, antenna[1] - north, yaw) if math.isfinite(yaw) else None
 
@@ -125,15 +125,15 @@ class Surveyor:
     def _antenna(self) -> tuple[float, float] | None:
         """Return where the antenna is, m."""
         fixes = self._fixes
-        if fixes is None or self._clock() - fixes.time > FRESH or fixes.tractor_quality != FixQuality.FIXED:
+        if fixes is None or self._clock() - fixes.time > FRESH or fixes.tractor.quality != FixQuality.FIXED:
             return None
-        place = fixes.tractor_x, fixes.tractor_y
+        place = fixes.tractor.x, fixes.tractor.y
         return place if math.isfinite(sum(place)) else None
 
     def _arm(self, yaw: float) -> tuple[float, float]:
         """Return how far east and north of the axle the antenna stands, m."""
         fixes = self._fixes
-        attitude = (0.0, 0.0) if fixes is None else (fixes.tractor_roll, fixes.tractor_pitch)
+        attitude = (0.0, 0.0) if fixes is None else (fixes.tractor.roll, fixes.tractor.pitch)
         offsets = self._mast.roll_offset, self._mast.pitch_offset
         roll, pitch = (
             each - offset if math.isfinite(each) else 0.0 for each, offset in zip(attitude, offsets, strict=True)

@@ -38,7 +38,7 @@ _SYMBOLS = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Board:
+class Dashboard:
     """What changes seldom: the state in words, why not, and what may be asked for."""
 
     word: str
@@ -65,7 +65,7 @@ class Board:
     """ask the holder for the lease"""
 
 
-def board(
+def dashboard(
     gate: GateState | None,
     words: Words,
     *,
@@ -76,8 +76,8 @@ def board(
     speed: float = math.nan,
     controller: ControllerState | None = None,
     corrections: str = "",
-) -> Board:
-    """Return the board of one visitor.
+) -> Dashboard:
+    """Return the dashboard of one visitor.
 
     Args:
         gate: its newest state.
@@ -100,7 +100,7 @@ def board(
         reasons = ((words("next_override" if state is SupervisorState.OVERRIDE else "next_latched"), ""), *reasons)
     reasons += tuple(map(words.cause, notices(controller, gate)))
     reasons += ((words("no_corrections"), words.message(corrections)),) if corrections else ()
-    return Board(
+    return Dashboard(
         word=words(state.name),
         symbol=_SYMBOLS[state],
         tone="good" if state in GOOD else "warn" if state in WARNING else "bad" if state in BAD else "idle",
@@ -120,8 +120,8 @@ def board(
     )
 
 
-def _no_contact(words: Words) -> Board:
-    return Board(
+def _no_contact(words: Words) -> Dashboard:
+    return Dashboard(
         word=words("NO_CONTACT"),
         symbol="?",
         tone="bad",

@@ -24,7 +24,7 @@ class Runs:
     results: Sequence[Result]
     """in the order of the seeds"""
     failures: Sequence[str]
-    """why a run has no result"""
+    """why runs have no result: each reason once, with its seeds"""
 
 
 def measure(client: Client, experiment: Experiment, seeds: int | None, progress: RunsProgress) -> Mapping[str, Runs]:
@@ -95,7 +95,11 @@ def _compile(client: Client, tasks: Iterable[Task], progress: RunsProgress) -> N
 
 def _runs(tasks: Sequence[Task], results: Mapping[str, Result], failures: Mapping[str, str]) -> Runs:
     keys = [task.key for task in tasks]
+    seeds: dict[str, list[str]] = {}
+    for task in tasks:
+        if task.key in failures:
+            seeds.setdefault(failures[task.key], []).append(str(task.seed))
     return Runs(
         results=[results[key] for key in keys if key in results],
-        failures=[f"seed {task.seed}: {failures[task.key]}" for task in tasks if task.key in failures],
+        failures=[f"seed {', '.join(each)}: {reason}" for reason, each in seeds.items()],
     )

@@ -3,7 +3,7 @@
 import io
 import tempfile
 import zipfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path, PurePosixPath
@@ -83,19 +83,21 @@ def take_in(name: str, data: bytes, frame: LocalFrame) -> tuple[Field, ...]:
     fields = [field for field in found if not field.is_empty]
     if not fields:
         besides = ", ".join(each for field in found for each in field.left_out)
-        if besides:
-            raise PathError(f"{name}: holds neither a line nor a boundary but {besides}")
-        raise PathError(f"{name}: holds neither a line nor a boundary")
+        raise PathError(f"{name}: holds neither a line nor a boundary{f' but {besides}' if besides else ''}")
     if all(path.suffix.lower() == ".shp" for path in paths):
-        boundary = next((field.boundary for field in fields if field.boundary is not None), None)
-        lines = [(line.name, [(p[0], p[1]) for p in line.points.tolist()]) for field in fields for line in field.lines]
-        ring = [(p[0], p[1]) for p in boundary.tolist()] if boundary is not None else None
-        left_out: list[str] = []
-        for field in fields:  # a message about several files, such as their common projection, stands once
-            left_out += [each for each in field.left_out if each not in left_out]
-        return (make_field(name, Path(name).stem, lines, ring, left_out),)
+        return (_joined(name, fields),)
     unnamed = Path(folder).name  # of an AgOpenGPS field whose files lie in an archive without their folder
     return tuple(replace(field, name=Path(name).stem) if field.name == unnamed else field for field in fields)
+
+
+def _joined(name: str, fields: Sequence[Field]) -> Field:
+    """Return one field of the first boundary and all lines of several; the name is that of their archive."""
+    boundary = next((field.boundary for field in fields if field.boundary is not None), None)
+    lines = [(line.name, [(p[0], p[1]) for p in line.points.tolist()]) for field in fields for line in field.lines]
+    ring = [(p[0], p[1]) for p in boundary.tolist()] if boundary is not None else None
+    # a message about several files, such as their common projection, stands once
+    left_out = list(dict.fromkeys(each for field in fields for each in field.left_out))
+    return make_field(name, Path(name).stem, lines, ring, left_out)
 
 
 def unpack(name: str, data: bytes, folder: Path) -> list[Path]:

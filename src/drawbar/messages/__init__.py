@@ -5,7 +5,7 @@ Times are the machine's monotonic clock in ns, the same in all of its processes;
 
 from drawbar.messages.base import Message
 from drawbar.messages.controller import CommandMessage, ControllerState, Mode
-from drawbar.messages.fixes import Fixes
+from drawbar.messages.fixes import Fixes, ReceiverReport
 from drawbar.messages.gate import GateState, SupervisorState
 from drawbar.messages.heartbeat import Heartbeat, Role
 from drawbar.messages.kinds import KINDS, Kind
@@ -23,6 +23,7 @@ __all__ = [
     "Message",
     "Mode",
     "OperatorMessage",
+    "ReceiverReport",
     "Role",
     "SupervisorState",
 ]

@@ -1,6 +1,6 @@
 """Controller: what it reports, and what it asks of the actuators."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import Annotated
 
@@ -31,6 +31,10 @@ class CommandMessage(Message):
     """of the joint between drawbar and trailer, rad, in the sign in which it is measured"""
     speed: Number
     """of the wheels, m/s"""
+
+    def repeats(self, other: "CommandMessage") -> bool:
+        """Return whether it asks for the same as another one."""
+        return self == replace(other, sequence=self.sequence, time=self.time, valid_until=self.valid_until)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,15 +1,19 @@
 """Records: the bytes of messages, of fixed size with a checksum (docs/messages.md).
 
-Every record is little-endian without padding: the header, the fields of its kind in the order of their declaration, and
-the CRC-32 (zlib) of all bytes before it. `encode` makes one of a message; `decode` returns the message, or the `Flaw`
-for which it is refused. Pure; without numpy, like the messages, so that the gate can use them.
+Every record is little-endian without padding: the header, the fields of its kind in the order of their declaration,
+those of a part where the part is declared, and the CRC-32 (zlib) of all bytes before it. `encode` makes one of a
+message; `decode` returns the message, or the `Flaw` for which it is refused. Pure; without numpy, like the messages, so
+that the gate can use them.
 """
 
 import math
 import struct
 import zlib
-from dataclasses import dataclass, fields
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, is_dataclass
 from enum import Enum, IntEnum
+from functools import cache
+from operator import attrgetter
 from typing import Any, get_args, get_origin, get_type_hints
 
 from drawbar.messages.base import Message
@@ -18,7 +22,7 @@ from drawbar.messages.kinds import KINDS, Kind
 
 MARK = 0x4244
 """first two bytes of every record: "DB" """
-VERSION = 6
+VERSION = 7
 """of the layouts; a record of another version is refused"""
 
 
@@ -44,7 +48,7 @@ class Layout:
     body: struct.Struct
     """all fields, without mark, version, kind and checksum"""
     cells: tuple[tuple[str, Cell, type[IntEnum] | None], ...]
-    """name, cell and, where it is one, enumeration of each field"""
+    """name (of a part's field: part.field), cell and, where it is one, enumeration of each field"""
 
     @property
     def size(self) -> int:
@@ -53,9 +57,24 @@ class Layout:
 
 
 def _layout(kind: type[Message]) -> Layout:
-    hints = get_type_hints(kind, include_extras=True)
-    cells = tuple((field.name, *_cell(hints[field.name])) for field in fields(kind))
+    cells = tuple(_cells(kind))
     return Layout(struct.Struct("<" + "".join(cell.code for _, cell, _ in cells)), cells)
+
+
+@cache
+def _parts(kind: type) -> dict[str, type | None]:
+    """Return the class of each field of a message that is a part of it, None of one that lies in a cell."""
+    hints: dict[str, type] = get_type_hints(kind)
+    return {each.name: hints[each.name] if is_dataclass(hints[each.name]) else None for each in fields(kind)}
+
+
+def _cells(kind: type) -> Iterator[tuple[str, Cell, type[IntEnum] | None]]:
+    hints = get_type_hints(kind, include_extras=True)
+    for name, part in _parts(kind).items():
+        if part is None:
+            yield name, *_cell(hints[name])
+        else:
+            yield from ((f"{name}.{inner}", cell, enumeration) for inner, cell, enumeration in _cells(part))
 
 
 def _cell(hint: Any) -> tuple[Cell, type[IntEnum] | None]:
@@ -77,7 +96,7 @@ def encode(message: Message) -> bytes:
     place = LAYOUTS[kind]
     values: list[Any] = []
     for name, cell, _ in place.cells:
-        value = getattr(message, name)
+        value = attrgetter(name)(message)
         values += value if len(cell.code) > 1 else [value]
     record = _HEADER.pack(MARK, VERSION, kind) + place.body.pack(*values)
     return record + _CHECKSUM.pack(zlib.crc32(record))
@@ -102,11 +121,12 @@ def decode(data: bytes, *expected: type[Message]) -> Message | Flaw:
 
 
 def _read(message: type[Message], place: Layout, numbers: list[Any]) -> Message | Flaw:
-    values: dict[str, Any] = {}
-    for name, cell, enumeration in place.cells:
+    values = list[Any]()
+    for _, cell, enumeration in place.cells:
         if len(cell.code) > 1:
             count = int(cell.code[:-1])
-            values[name], numbers = tuple(numbers[:count]), numbers[count:]
+            values.append(tuple(numbers[:count]))
+            numbers = numbers[count:]
             continue
         value = numbers.pop(0)
         if cell.code == "d" and not (math.isfinite(value) or (cell.may_miss and math.isnan(value))):
@@ -115,5 +135,11 @@ def _read(message: type[Message], place: Layout, numbers: list[Any]) -> Message 
             if value not in enumeration.__members__.values():
                 return Flaw.VALUE
             value = enumeration(value)
-        values[name] = value
-    return message(**values)
+        values.append(value)
+    made: Message = _made(message, iter(values))
+    return made
+
+
+def _made(kind: type, values: Iterator[Any]) -> Any:
+    """Return a message, or a part of one, of the values of all its fields in their order."""
+    return kind(**{name: _made(part, values) if part else next(values) for name, part in _parts(kind).items()})

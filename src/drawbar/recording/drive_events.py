@@ -151,33 +151,60 @@ def _relevant(messages: Iterator[LoggedMessage]) -> Iterator[tuple[float, _Messa
     yield end, None
 
 
+class _Drive:
+    """The drive so far, as far as it decides what is an event."""
+
+    def __init__(self) -> None:
+        self._gate: _Gate | None = None  # its newest state
+        self._status = Status.OK  # of the controller
+        self._asked, self._noticed = set[int](), set[int]()  # nonces; codes
+
+    @property
+    def steers(self) -> bool:
+        """Whether the vehicle is steered."""
+        return self._gate is not None and bool(self._gate.steers)
+
+    def controller(self, time: float, message: _Controller) -> Iterator[DriveEvent]:
+        """Take in the controller's state."""
+        self._status = Status(message.status)
+        if not self.steers:
+            return
+        new = [code for code in message.notices if code in BY_CODE and code not in self._noticed]
+        self._noticed.update(new)
+        yield from (Noticed(time=time, cause=BY_CODE[code]) for code in new)
+
+    def gate(self, time: float, message: _Gate) -> Iterator[DriveEvent]:
+        """Take in the gate's state."""
+        before, self._gate = self._gate, message
+        if before is None or message.state != before.state:
+            yield _became(time, message, self._status)
+        if message.is_unrecorded and not (before is not None and before.is_unrecorded):
+            yield Lost(time=time, loss=Loss.UNRECORDED)
+        if message.answered in self._asked and not (before is not None and before.answered == message.answered):
+            yield from (Refused(time=time, cause=cause) for cause in message.objections)
+        if not message.steers:
+            self._noticed.clear()
+
+    def wish(self, time: float, message: _Wish) -> Iterator[DriveEvent]:
+        """Take in what an operator asks for, several times until it is answered."""
+        action = Action(message.action)
+        if action is Action.PRESENT or message.nonce in self._asked:
+            return
+        self._asked.add(message.nonce)
+        yield Asked(time=time, action=action, value=math.nan if message.value is None else message.value)
+
+
 def _events(ordered: Iterable[tuple[float, _Message]], *, is_on: bool) -> Iterator[DriveEvent]:
     """Yield what happened, given messages in the order of their times."""
-    last, seen, status = None, set(), Status.OK
-    noticed: set[int] = set()
+    drive = _Drive()
     for time, message in ordered:
         if isinstance(message, _Controller):
-            status = Status(message.status)
-            if last is not None and last.steers:
-                new = [code for code in message.notices if code in BY_CODE and code not in noticed]
-                noticed.update(new)
-                yield from (Noticed(time=time, cause=BY_CODE[code]) for code in new)
+            yield from drive.controller(time, message)
         elif isinstance(message, _Gate):
-            if last is None or message.state != last.state:
-                yield _became(time, message, status)
-            if message.is_unrecorded and not (last is not None and last.is_unrecorded):
-                yield Lost(time=time, loss=Loss.UNRECORDED)
-            if message.answered in seen and not (last is not None and last.answered == message.answered):
-                yield from (Refused(time=time, cause=cause) for cause in message.objections)
-            if not message.steers:
-                noticed.clear()
-            last = message
+            yield from drive.gate(time, message)
         elif isinstance(message, _Wish):
-            action = Action(message.action)
-            if action is not Action.PRESENT and message.nonce not in seen:
-                seen.add(message.nonce)
-                yield Asked(time=time, action=action, value=math.nan if message.value is None else message.value)
-        elif last is not None and last.steers and not is_on:  # whoever ends a drive releases first, which is recorded
+            yield from drive.wish(time, message)
+        elif drive.steers and not is_on:  # whoever ends a drive releases first, which is recorded
             yield Lost(time=time, loss=Loss.ENDS)
 
 

@@ -33,7 +33,7 @@ def summary(metrics: Metrics) -> RenderableType:
     error_columns = [(f"{body}\n{name}", colour) for body, colour in colours.items() for name in ERROR_COLUMNS]
     ending = Text("finished", "green") if metrics.finished else Text(f"stopped: {metrics.outcome}", "bold red")
     distance, duration = number(metrics.length_m, 1, " m"), number(metrics.duration_s, 1, " s")
-    pace = number(metrics.real_time_factor, 0, "× real time")
+    pace = "" if metrics.error_estimated else f", {number(metrics.real_time_factor, 0, '× real time')}"
     doubts = (
         doubt_text(metrics.mast_doubt_m.tractor, metrics.mast_doubt_m.trailer),
         yaw_text(metrics.yaw_difference_rad),
@@ -42,7 +42,7 @@ def summary(metrics: Metrics) -> RenderableType:
     shown: list[RenderableType] = [
         "",
         Text.assemble(f"{origin(metrics, ', ')}: ", ending),
-        f"{distance} in {duration}, {pace}",
+        f"{distance} in {duration}{pace}",
         f"solver failures: {metrics.solver_failures}, commands limited: {metrics.limited_commands}, "
         f"refused: {metrics.refused_commands}",
         *(Text(doubt, "bold yellow") for doubt in doubts if doubt),

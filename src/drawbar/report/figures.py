@@ -140,7 +140,7 @@ def steering_figure(log: Columns, body: str) -> Figure:
 
 
 def estimate_figure(log: Columns, names: dict[str, tuple[str, str]], title: str, unit: str, scale: float) -> Figure:
-    """Draw estimated parameters with bounds and truth.
+    """Draw estimated parameters with bounds and, where it is known, truth.
 
     names: by field name of Estimate the symbol and the colour; values are multiplied by scale. A parameter
     without bounds is one that the estimator's model does not have: it is left out.
@@ -152,7 +152,7 @@ def estimate_figure(log: Columns, names: dict[str, tuple[str, str]], title: str,
         low, high = log.header.estimate_bounds[field]
         estimate = log.column(f"estimate.{field}") * scale
         curves.append(_of_step(log, "tractor", estimate, symbol, colour, unit, width=2.0))
-        if field != "trailer_slip":  # the simulated machine has no such slip
+        if log.has_truth and field != "trailer_slip":  # the simulated machine has no such slip
             true = log.column(f"truth.{field}") * scale
             curves.append(_of_step(log, "tractor", true, f"{symbol}, true", colour, unit, width=1.0, dash="dot"))
         bounds += _bound_lines(log, f"{symbol}, bounds", (low * scale, high * scale), colour)

@@ -157,7 +157,17 @@ def _limits(metadata: Sequence[Any]) -> str:
     signs = {limit[:1] for limit in limits}
     if signs & {">", "≥"}:
         limits = [limit.replace("±", "≤ ") for limit in limits if limit[:1] != "±" or not signs & {"<", "≤"}]
-    return ", ".join(limits)
+    return ", ".join(_strictest(limits))
+
+
+def _strictest(limits: list[str]) -> list[str]:
+    """Return the limits without those that another one implies, the lower one first."""
+    for signs, strictest in (("<≤", min), (">≥", max)):
+        several = [limit for limit in limits if limit and limit[0] in signs]
+        if several:
+            kept = strictest(several, key=lambda limit: float(limit[1:]))
+            limits = [kept, *(limit for limit in limits if limit not in several)]
+    return limits
 
 
 def _toml(value: Any) -> str:

@@ -99,7 +99,7 @@ def key_figures(metrics: Metrics) -> list[tuple[str, str]]:
     return [
         ("distance driven", _in_tile(metrics.length_m, " m")),
         ("duration", _in_tile(metrics.duration_s, " s")),
-        ("real-time factor", number(metrics.real_time_factor, 0, "×")),
+        *([] if metrics.error_estimated else [("real-time factor", number(metrics.real_time_factor, 0, "×"))]),
         (f"mean {error_name(metrics)}, tractor", number(100.0 * error.tractor[ALL].mean, 1, " cm")),
         (f"mean {error_name(metrics)}, trailer", number(100.0 * error.trailer[ALL].mean, 1, " cm")),
         ("fixes not believed", _counted({"stale": metrics.stale_fixes, "false": metrics.rejected_fixes})),

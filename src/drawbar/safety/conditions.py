@@ -162,6 +162,9 @@ _PRESENT: dict[Cause, Present] = {
     Cause.WIGGLE_UNTRIED: lambda o, s: s.engage.wiggle_test and not o.wiggled,
 }
 
+_SPECIFIC = {Cause.ACTUATOR_RELEASED: -1, Cause.GATE_LATE: 1}
+"""causes that explain less, or more, than the others of the same response"""
+
 
 def present(observation: Observation, settings: SafetySettings) -> tuple[Cause, ...]:
     """Return the causes that are present, in the order of their codes."""
@@ -173,7 +176,8 @@ def present(observation: Observation, settings: SafetySettings) -> tuple[Cause, 
 def worst(causes: tuple[Cause, ...]) -> tuple[Response, Cause | None]:
     """Return the strongest response that the causes ask for while driving, and the first cause that asks for it.
 
-    That an actuator has released is what all its troubles look like: any other cause is more specific.
+    That an actuator has released is what all its troubles look like: any other cause is more specific. A gate that
+    came late finds commands that expired while they waited for it.
     """
-    strongest = max(causes, key=lambda cause: (cause.response, cause is not Cause.ACTUATOR_RELEASED), default=None)
+    strongest = max(causes, key=lambda cause: (cause.response, _SPECIFIC.get(cause, 0)), default=None)
     return (Response.NONE, None) if strongest is None else (strongest.response, strongest)

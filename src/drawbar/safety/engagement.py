@@ -114,10 +114,9 @@ class Engagement:
         self.cause: Cause | None = None
         """what led to the state"""
         self.emergency_tried = False
-        self._unmet = self._degraded = (
-            self._moved
-        ) = -math.inf  # when there last was a refusal, a cause to degrade, a motion
         self._armed = -math.inf
+        self._unmet = self._degraded = self._moved = -math.inf
+        """when there last was a refusal, a cause to degrade, a motion, s"""
 
     @property
     def steers(self) -> bool:

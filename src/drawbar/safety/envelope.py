@@ -66,8 +66,8 @@ class Axis:
         """Begin where the steering is, rad."""
         self.angle = self._anchor = measured
 
-    def limit(self, wanted: float, measured: float, *, cap: float, move: float, lead: float, reach: float) -> float:
-        """Return the set point within all limits, rad; where they contradict, the later one holds.
+    def limit(self, wanted: float, measured: float, *, cap: float, move: float, lead: float, reach: float) -> None:
+        """Move the set point to what is wanted, within all limits; where they contradict, the later one holds.
 
         The cap comes first: when it shrinks because the vehicle becomes faster, the set point walks there and does not
         jump. The reach from the measured angle comes last: it is what a wrong command can do at most.
@@ -83,7 +83,6 @@ class Axis:
         self._anchor = _towards(self._anchor, self.angle, move)
         if math.isfinite(measured):
             self.angle = _towards(measured, _towards(self._anchor, _clamped(wanted, cap), lead), reach)
-        return self.angle
 
 
 class Envelope:

@@ -57,11 +57,11 @@ def _loop(gate: Gate, settings: SafetySettings, notifier: Notifier, clock: Machi
     ticks and not just after the actuators were commanded. One that does come then waits for a quarter of a period.
     """
     period, due, over, announced = settings.timing.tick, clock(), math.inf, SupervisorState.BOOT
-    last = -math.inf
+    last = due - period
     while True:
         urgent, time = gate.receive(clock), clock()
         if urgent or time >= due:
-            gate.tick(time, max(time - due, 0.0))
+            gate.tick(time, max(time - last - period, 0.0))
             notifier.feed(time)
             due = next_tick(time, period, time - last, urgent=urgent)
             last = time

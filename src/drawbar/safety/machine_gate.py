@@ -74,8 +74,8 @@ class Gate:
             if isinstance(message, CommandMessage) and self._envelope.repeats(message):
                 self._counts.dropped += 1
             elif isinstance(message, CommandMessage) and self._envelope.admit(message, now):
+                commanded |= self.watch.command is None or not message.repeats(self.watch.command)
                 self._obey(now, message)
-                commanded = True
             elif isinstance(message, ControllerState):
                 self.watch.receive_controller(now, message)
             else:
@@ -132,6 +132,7 @@ class Gate:
 
     def _look_at_oneself(self, now: float, late: float) -> None:
         troubles, timing = self.watch.troubles, self._settings.timing
+        troubles.lateness = late
         if not (late <= timing.late):
             troubles.late = now
         troubles.suspended |= not (suspended_time() - self._suspended_before <= timing.suspended)

@@ -164,7 +164,7 @@ class TimingSettings(Settings):
     """oldest heartbeat of the recorder, s"""
     guard: Timeout = 1.0
     """oldest heartbeat of the guard, which releases the boards where the gate falls silent, s"""
-    late: Timeout = 0.1
+    late: Timeout = 0.14
     """by which a tick of the gate may come late, s"""
     suspended: Timeout = 0.5
     """for which the computer may have been suspended, s"""

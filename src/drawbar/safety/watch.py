@@ -28,6 +28,8 @@ class Troubles:
 
     refused: float = -math.inf
     late: float = -math.inf
+    lateness: float = 0.0
+    """of this tick; a board answers set points, and was sent none for so long, s"""
     unsent: float = -math.inf
     gone: bool = False
     ended: bool = False
@@ -108,7 +110,10 @@ class Watch:
             speed_known=self.speeds.known(time),
             speeds_contradict=self.speeds.contradict(time),
             drives=self._drives,
-            angle_age=max((time - report.angle_time for report in steering if report is not None), default=math.inf),
+            angle_age=max(
+                (time - troubles.lateness - report.angle_time for report in steering if report is not None),
+                default=math.inf,
+            ),
             steering_error=self._steering_error(steering),
             readiness=readiness,
             late_ago=time - troubles.late,

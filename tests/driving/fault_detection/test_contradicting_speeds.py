@@ -1,21 +1,19 @@
 """Wheels whose encoder reports standing while the vehicle drives: the steering does not rest."""
 
 import math
-from dataclasses import fields
 
 import pytest
+from fixes import fixes_of
 from rehearsals import rehearse
 
 from drawbar.driving.fault_detection.contradicting_speeds import ContradictingSpeeds
 from drawbar.machine.stand_in.faults import FAULTS
-from drawbar.messages import Fixes, SupervisorState
+from drawbar.messages import SupervisorState
 from drawbar.safety.causes import Cause
 
 
 def epoch(wheels, ground, time=0.0):
-    values = dict.fromkeys((field.name for field in fields(Fixes)), 0)
-    values |= {"wheel_speed": wheels, "tractor_speed": ground, "wheel_speed_time": round(time * 1e9)}
-    return Fixes(**values)
+    return fixes_of(wheel_speed=wheels, tractor_speed=ground, wheel_speed_time=round(time * 1e9))
 
 
 @pytest.mark.parametrize(

@@ -1,14 +1,13 @@
 """Course error: an estimate that moves in another direction than the antenna has followed a wrong sensor."""
 
 import math
-from dataclasses import fields
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from fixes import fixes_of
 
 from drawbar.driving.fault_detection.course_error import CourseError
-from drawbar.messages import Fixes
 
 DEGREE = math.pi / 180.0
 FAULT = 20.0
@@ -31,13 +30,8 @@ def found(
             course = (
                 3.0 + rate * (epoch - 1.0) + crab + math.atan(forward * rate / speed) + rng.normal(0.0, noise) * DEGREE
             )
-            values = dict.fromkeys((field.name for field in fields(Fixes)), 0)
-            values |= {
-                "epoch": round(1e9 * epoch),
-                "tractor_speed": speed,
-                "tractor_course": math.remainder(course, math.tau),
-            }
-            error.receive_fixes(Fixes(**values))
+            course = math.remainder(course, math.tau)
+            error.receive_fixes(fixes_of(epoch=round(1e9 * epoch), tractor_speed=speed, tractor_course=course))
         yaw = 3.0 + rate * time + DEGREE * (astray(time - FAULT) if time >= FAULT else 0.0)
         pose = SimpleNamespace(yaw=math.remainder(yaw, math.tau))
         error.update(

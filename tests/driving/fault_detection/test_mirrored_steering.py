@@ -1,16 +1,16 @@
 """Mirrored steering: sensor and motor of the front wheels are both the wrong way round."""
 
 import math
-from dataclasses import fields
 
 import numpy as np
 import pytest
+from fixes import fixes_of
 
 from drawbar.config import load_configuration
 from drawbar.driving.fault_detection.mirrored_steering import MirroredSteering
 from drawbar.driving.stand_in.rehearsal import Rehearsal
 from drawbar.machine.stand_in.breaking import measure_otherwise, steer_otherwise
-from drawbar.messages import Fixes, SupervisorState
+from drawbar.messages import SupervisorState
 from drawbar.safety.causes import BY_CODE, Cause
 from drawbar.simulation import build_path
 from drawbar.vehicle.parameters import Mast, Masts, VehicleParameters
@@ -42,10 +42,10 @@ def found(
         curvature = math.tan(angle) / vehicle.wheelbase
         course = heading + math.atan(ahead * curvature) + rng.normal(0.0, 0.01 / speed)
         course += disturbance(time) if disturbance is not None else 0.0
-        values = dict.fromkeys((field.name for field in fields(Fixes)), 0) | {"epoch": round((1.0 + time) * 1e9)}
+        values = {"epoch": round((1.0 + time) * 1e9)}
         values |= {"time": values["epoch"] + round(late * 1e9)}
         values |= {"tractor_speed": speed, "tractor_course": math.remainder(course, math.tau), "tractor_yaw": yaw}
-        detector.receive_fixes(Fixes(**values), sign * angle, suspected=suspected)
+        detector.receive_fixes(fixes_of(**values), sign * angle, suspected=suspected)
         first = min(first, time) if detector.found else first
         heading += speed * curvature * sample_time
     return first, detector.found
@@ -98,9 +98,8 @@ def test_it_stays_found_on_a_straight_until_the_opposite_shows():
     heading = 0.0
     for k in range(150):
         angle = 10.0 * DEGREE * math.sin(0.2 * k)
-        values = dict.fromkeys((field.name for field in fields(Fixes)), 0) | {"epoch": 10**9 + k * 200_000_000}
-        values |= {"tractor_speed": 1.0, "tractor_course": math.remainder(heading, math.tau)}
-        signs.receive_fixes(Fixes(**values | {"tractor_yaw": math.nan}), -angle if k < 60 else angle)
+        values = {"tractor_speed": 1.0, "tractor_course": math.remainder(heading, math.tau), "tractor_yaw": math.nan}
+        signs.receive_fixes(fixes_of(epoch=10**9 + k * 200_000_000, **values), -angle if k < 60 else angle)
         heading += 0.2 * math.tan(angle) / VehicleParameters().wheelbase
         assert signs.found or not 40 < k < 60
     assert not signs.found

@@ -1,11 +1,12 @@
 """Notices: which sensor is silent or not believed is told to the operator, and stays told until it is acknowledged."""
 
 import math
-from dataclasses import fields, replace
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from fixes import fixes_of
 from ordinary import measured
 
 from drawbar.config import load_configuration
@@ -13,7 +14,7 @@ from drawbar.driving.fault_detection.notices import MOST, Notices
 from drawbar.driving.stand_in.rehearsal import Rehearsal
 from drawbar.machine.stand_in.breaking import moved, report_otherwise
 from drawbar.machine.stand_in.faults import FAULTS
-from drawbar.messages import Fixes, SupervisorState
+from drawbar.messages import SupervisorState
 from drawbar.safety.causes import BY_CODE, Cause
 from drawbar.signals import FixStatus
 from drawbar.simulation import build_path
@@ -50,8 +51,7 @@ class Told:
     def hear(self, begin, end, **given):
         """Let epochs pass, five a second; return what is told."""
         for i in range(round(5 * begin), round(5 * end)):
-            values = dict.fromkeys((field.name for field in fields(Fixes)), 0) | {"epoch": round(0.2e9 * i) + 10**9}
-            self.notices.receive_fixes(Fixes(**(values | {"tractor_heard": 1, "trailer_heard": 1} | given)))
+            self.notices.receive_fixes(fixes_of(epoch=round(0.2e9 * i) + 10**9, **given))
         return self.step()
 
     def gate(self, state):

@@ -1,13 +1,12 @@
 """Position drift: positions of the antennas are held against the velocities that their receivers report."""
 
 import math
-from dataclasses import fields, replace
 
 import numpy as np
 import pytest
+from fixes import altered, fixes_of
 
 from drawbar.driving.fault_detection.position_drift import PositionDrift
-from drawbar.messages import Fixes
 from drawbar.signals import FixQuality, Measurement
 
 PERIOD = 0.2
@@ -20,8 +19,7 @@ def epoch(time, *, speed=2.0, radius=math.inf, noise=(0.0,) * 4, aside=(0.0, 0.0
     turned = speed * time / radius
     x = radius * math.sin(turned) if turned else speed * time
     y = radius * (1.0 - math.cos(turned)) if turned else 0.0
-    values = dict.fromkeys((field.name for field in fields(Fixes)), 0)
-    values["epoch"] = round((1.0 + time) * 1e9)
+    values = {"epoch": round((1.0 + time) * 1e9)}
     for i, body in enumerate(("tractor", "trailer")):
         values |= {
             f"{body}_x": x + noise[2 * i],
@@ -30,7 +28,7 @@ def epoch(time, *, speed=2.0, radius=math.inf, noise=(0.0,) * 4, aside=(0.0, 0.0
             f"{body}_course": turned - speed * lag / radius,
             f"{body}_quality": int(FixQuality.FIXED),
         }
-    return Fixes(**(values | given))
+    return fixes_of(**(values | given))
 
 
 def heard(drift, times, **given):
@@ -205,7 +203,7 @@ def test_without_fixed_positions_and_velocities_nothing_is_said(field):
     given = {f"{body}_{field}": value for body in ("tractor", "trailer")}
     drift = PositionDrift()
     for time in times(20.0):
-        drift.receive_fixes(replace(epoch(time, aside=(0.3 * time, 0.3 * time)), **given))
+        drift.receive_fixes(epoch(time, aside=(0.3 * time, 0.3 * time), **given))
         assert not drift.is_detected
 
 
@@ -268,7 +266,7 @@ def test_from_where_they_were_before_the_velocities_lead_on():
     true = epoch(times(8.0)[-1], radius=20.0)
     carried = drift.dead_reckoned(measured)
     found = (carried.tractor_x, carried.tractor_y, carried.trailer_x, carried.trailer_y)
-    assert found == pytest.approx((true.tractor_x, true.tractor_y, true.trailer_x, true.trailer_y), abs=0.01)
+    assert found == pytest.approx((true.tractor.x, true.tractor.y, true.trailer.x, true.trailer.y), abs=0.01)
     drift.receive_fixes(epoch(9.0))
     assert math.isnan(drift.dead_reckoned(measured).tractor_x), "an epoch was lost"
 
@@ -317,7 +315,7 @@ def test_noise_of_positions_and_velocities_is_no_slow_drift():
         velocity = kept * velocity + math.sqrt(1.0 - kept**2) * rng.normal(0.0, 0.03, 2)
         heard_now = epoch(time, noise=tuple(rng.normal(0.0, 0.02, 4)))
         courses = {f"{body}_course": velocity[i] / 2.0 for i, body in enumerate(("tractor", "trailer"))}
-        drift.receive_fixes(replace(heard_now, **courses))
+        drift.receive_fixes(altered(heard_now, **courses))
         assert not drift.drifts_slowly(**FOLLOWED), time
 
 
@@ -354,14 +352,14 @@ def apart_in_curve(rate, lags, apart):
         where = epoch(time, **(LAGS if time >= 0.0 else {"speed": 2.0}))
         off, turned = rate * max(time - 2.0, 0.0), max(time, 0.0) * 0.25
         aside = {
-            "tractor_x": where.tractor_x - off * math.sin(turned),
-            "tractor_y": where.tractor_y + off * math.cos(turned),
+            "tractor_x": where.tractor.x - off * math.sin(turned),
+            "tractor_y": where.tractor.y + off * math.cos(turned),
         }
         courses = {
             f"{body}_course": 0.25 * max(time - lag, 0.0)
             for body, lag in zip(("tractor", "trailer"), lags, strict=True)
         }
-        drift.receive_fixes(replace(where, **aside, **courses))
+        drift.receive_fixes(altered(where, **aside, **courses))
         if drift.drifts_slowly(apart=apart, **FOLLOWED):
             return time - 2.0
     return math.inf

@@ -1,15 +1,16 @@
 """Receivers of tractor and trailer that are exchanged: seen once the vehicle moves, and what the gate says of it."""
 
 import math
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import pytest
+from fixes import fixes_of
 
 from drawbar.config import load_configuration
 from drawbar.driving.fault_detection.swapped_receivers import SwappedReceivers
 from drawbar.driving.stand_in.rehearsal import Rehearsal
 from drawbar.machine.stand_in.machine import BODIES
-from drawbar.messages import Fixes, SupervisorState
+from drawbar.messages import SupervisorState
 from drawbar.safety.causes import Cause
 from drawbar.signals import FixQuality
 from drawbar.simulation import build_path
@@ -19,11 +20,11 @@ AHEAD, BEHIND = (4.0, 1.0), (0.0, 0.0)
 
 def epoch(tractor=AHEAD, trailer=BEHIND, courses=(0.1, 0.0), speed=1.0, **given):
     """Return an epoch of two antennas (m) that move so (rad, m/s)."""
-    values = dict.fromkeys((field.name for field in fields(Fixes)), 0)
+    values = {}
     for body, (x, y), course in zip(BODIES, (tractor, trailer), courses, strict=True):
         values |= {f"{body}_x": x, f"{body}_y": y, f"{body}_speed": speed, f"{body}_course": course}
         values |= {f"{body}_quality": int(FixQuality.FIXED)}
-    return Fixes(**(values | given))
+    return fixes_of(**(values | given))
 
 
 def after(*epochs):

@@ -1,15 +1,15 @@
 """A drive that begins where no run can begin: the controller reports that, and begins once the vehicle is elsewhere."""
 
 import math
-from dataclasses import fields
 
 import pytest
+from fixes import fixes_of
 
 from drawbar.config import load_configuration
 from drawbar.driving.loop.control_loop import ControlLoop
 from drawbar.driving.loop.controller import Controller
 from drawbar.machine.hardware.sampler import Sampler
-from drawbar.messages import ControllerState, Fixes
+from drawbar.messages import ControllerState
 from drawbar.signals import FixQuality, Status
 from drawbar.simulation import build_path
 
@@ -20,11 +20,10 @@ LENGTH = 2.15
 def epoch(count, x, y, yaw):
     """Return what both receivers say of a vehicle that stands straight."""
     instant = 10**9 + count * 200_000_000
-    values = dict.fromkeys((field.name for field in fields(Fixes)), 0) | {"hitch_angle": math.nan}
-    values |= dict.fromkeys(("tractor_deviation", "trailer_deviation"), 0.02)
+    values = {"hitch_angle": math.nan} | dict.fromkeys(("tractor_deviation", "trailer_deviation"), 0.02)
     values |= {"epoch": instant, "time": instant + 50_000_000, "tractor_x": x, "tractor_y": y}
     values |= {"trailer_x": x - LENGTH * math.cos(yaw), "trailer_y": y - LENGTH * math.sin(yaw)}
-    return Fixes(**(values | dict.fromkeys(("tractor_quality", "trailer_quality"), int(FixQuality.FIXED))))
+    return fixes_of(**(values | dict.fromkeys(("tractor_quality", "trailer_quality"), int(FixQuality.FIXED))))
 
 
 @pytest.fixture

@@ -1,10 +1,11 @@
 """Two faults in one drive: what has been left out stays so, and what is computed again is computed without both."""
 
 import math
-from dataclasses import fields, replace
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
+from fixes import fixes_of
 from ordinary import measured
 
 from drawbar.config import load_configuration
@@ -14,7 +15,6 @@ from drawbar.driving.fault_detection.position_drift import PositionDrift
 from drawbar.driving.fault_detection.sensor_faults import SensorFaults
 from drawbar.driving.loop.control_loop import ControlLoop
 from drawbar.driving.loop.controller import Controller
-from drawbar.messages import Fixes
 from drawbar.signals import Command, FixQuality, FixStatus, SolverStatus, Status
 from drawbar.simulation import build_path
 
@@ -24,11 +24,11 @@ AT = SimpleNamespace(x=0.0, y=0.0, yaw=0.0)
 
 def epoch(time, aside):
     """Return what both receivers say on the way east, `aside` (m) to the left of it."""
-    values = dict.fromkeys((field.name for field in fields(Fixes)), 0) | {"epoch": round((1.0 + time) * 1e9)}
+    values = {"epoch": round((1.0 + time) * 1e9)}
     for body, behind in (("tractor", 0.0), ("trailer", BEHIND)):
         values |= {f"{body}_x": SPEED * time - behind, f"{body}_y": aside, f"{body}_speed": SPEED}
         values |= {f"{body}_course": 0.0, f"{body}_quality": int(FixQuality.FIXED)}
-    return Fixes(**values)
+    return fixes_of(**values)
 
 
 def sample(time, aside):

@@ -27,7 +27,7 @@ def test_a_gate_that_is_heard_or_does_not_steer_is_left_alone():
     assert off_frames(guard, 0.0, 5.0) == []
     for tick in range(100):
         guard.receive_state(0.05 * tick, state(steers=True))
-        assert not guard.says_off(0.05 * tick + 0.14)
+        assert not guard.says_off(0.05 * tick + 0.18)
         assert not guard.rests(0.05 * tick)
     guard.receive_state(5.0, state(steers=False))
     assert guard.rests(5.0)
@@ -37,13 +37,13 @@ def test_a_gate_that_is_heard_or_does_not_steer_is_left_alone():
 def test_a_gate_that_steers_and_falls_silent_is_spoken_for_for_a_second():
     guard = Guard(TIMING)
     guard.receive_state(10.0, state(steers=True))
-    assert guard.due == pytest.approx(10.15)
+    assert guard.due == pytest.approx(10.19)
     frames = off_frames(guard, 10.0, 14.0)
-    assert frames[0] == pytest.approx(10.15, abs=0.011)
+    assert frames[0] == pytest.approx(10.19, abs=0.011)
     assert 9 <= len(frames) <= 11
-    assert frames[-1] <= 11.16
-    assert not guard.rests(11.1)
-    assert guard.rests(11.2)
+    assert frames[-1] <= 11.2
+    assert not guard.rests(11.15)
+    assert guard.rests(11.25)
     assert guard.due == math.inf
 
 
@@ -52,6 +52,6 @@ def test_a_gate_that_comes_back_speaks_for_itself():
     guard.receive_state(10.0, state(steers=True))
     assert guard.says_off(10.2)
     guard.receive_state(10.21, state(steers=True))
-    assert off_frames(guard, 10.21, 10.35) == []
-    assert guard.says_off(10.37)
+    assert off_frames(guard, 10.21, 10.39) == []
+    assert guard.says_off(10.41)
     assert not guard.says_off(math.nan)

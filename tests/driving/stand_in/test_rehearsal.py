@@ -334,3 +334,31 @@ def test_a_fast_drive_that_was_admitted_is_not_stopped_in_its_curves(radius, mos
     assert rehearsal.gate_state.clips <= 2, "where the line bends sharply, by their rate"
     assert len(driven) > 150
     assert driven.max() < most  # on the tightest 0.10 to 0.26 with the seeds 3, 11 to 15: it swings into a curve
+
+
+def held_up(rehearsal, participants, seconds):
+    """Let participants not run for a time, then run all again; return the time until the boards were released, s."""
+    rehearsal.stopped |= participants
+    begin, released = rehearsal.time, math.inf
+    while rehearsal.time < begin + seconds:
+        rehearsal.advance()
+        steers = rehearsal.machine.driving
+        released = min(released, math.inf if steers else rehearsal.time - begin)
+    rehearsal.stopped -= participants
+    return released
+
+
+@pytest.mark.parametrize(
+    "participants", [{Participant.CONTROLLER}, {Participant.GATE}, {Participant.CONTROLLER, Participant.GATE}]
+)
+def test_a_process_that_is_held_up_for_some_0_1_s_steers_on_and_one_for_0_2_s_does_not(participants):
+    rehearsal, _ = rehearse()
+    drive_until(rehearsal, SupervisorState.ACTIVE)
+    for k in range(10):
+        held_up(rehearsal, participants, 0.13)
+        for _ in rehearsal.run(2.0 + 0.02 * k):  # at all phases of ticks and samples
+            assert rehearsal.gate_state.state is SupervisorState.ACTIVE
+    assert held_up(rehearsal, participants, 0.3) <= 0.205  # to a step of the clock
+    for _ in rehearsal.run(1.0):
+        pass
+    assert rehearsal.gate_state.state is SupervisorState.FAULT

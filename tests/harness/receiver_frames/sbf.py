@@ -1,4 +1,4 @@
-"""SBF of a receiver: PVTGeodetic, PosCovGeodetic, AttEuler and AttCovEuler of one epoch."""
+"""SBF of a receiver: PVTGeodetic, PosCovGeodetic and AttEuler of one epoch."""
 
 import math
 import struct
@@ -60,13 +60,7 @@ def att_euler(report: Report) -> bytes:
     return block(5938, 0, report, body)
 
 
-def att_cov_euler(report: Report) -> bytes:
-    """Return covariance of the attitude."""
-    variance = math.degrees(report.attitude_sigma) ** 2
-    return block(5939, 0, report, struct.pack("<BB6f", 0, 0, variance, variance, variance, 0.0, 0.0, 0.0))
-
-
 def blocks(report: Report) -> list[bytes]:
-    """Return one epoch: PVTGeodetic, PosCovGeodetic and, with two antennas, AttEuler and AttCovEuler."""
-    attitude = [] if math.isnan(report.yaw) else [att_euler(report), att_cov_euler(report)]
+    """Return one epoch: PVTGeodetic, PosCovGeodetic and, with two antennas, AttEuler."""
+    attitude = [] if math.isnan(report.yaw) else [att_euler(report)]
     return [pvt_geodetic(report), pos_cov_geodetic(report), *attitude]

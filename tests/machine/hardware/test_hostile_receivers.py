@@ -7,7 +7,7 @@ import math
 import os
 import random
 from collections.abc import Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from itertools import pairwise
 
 import pytest
@@ -68,22 +68,18 @@ def told(*lines: Sequence[Burst]) -> list[Fixes]:
 
 def assert_sane(fixes: Fixes) -> None:
     """Assert that the drive is told nothing that no receiver can have measured."""
-    values = {field.name: getattr(fixes, field.name) for field in fields(fixes)}
-    for body in ("tractor", "trailer"):
-        x, y, deviation, speed, age, rate = (
-            values[f"{body}_{name}"] for name in ("x", "y", "deviation", "speed", "correction_age", "yaw_rate")
-        )
-        known = math.isfinite(x)
-        assert math.isfinite(y) == known
-        assert not known or (math.hypot(x, y) < 1.3e7 and 0.01 <= deviation < 2e6)
-        assert known == (values[f"{body}_quality"] != FixQuality.NONE) or values[f"{body}_quality"] in (0, 1)
-        assert math.isnan(speed) or 0.0 <= speed <= 50.0
-        assert math.isnan(age) or 0.0 <= age <= 3600.0
-        assert math.isnan(rate) or abs(rate) < 1.75
-        assert 0 <= values[f"{body}_attitude_time"] <= fixes.time
+    for report in (fixes.tractor, fixes.trailer):
+        known = math.isfinite(report.x)
+        assert math.isfinite(report.y) == known
+        assert not known or (math.hypot(report.x, report.y) < 1.3e7 and 0.01 <= report.deviation < 2e6)
+        assert known == (report.quality != FixQuality.NONE) or report.quality in (0, 1)
+        assert math.isnan(report.speed) or 0.0 <= report.speed <= 50.0
+        assert math.isnan(report.correction_age) or 0.0 <= report.correction_age <= 3600.0
+        assert math.isnan(report.yaw_rate) or abs(report.yaw_rate) < 1.75
+        assert math.isnan(report.yaw) or abs(report.yaw) <= math.pi
+        assert 0 <= report.attitude_time <= fixes.time
     assert 0 < fixes.epoch <= fixes.first_byte <= fixes.time
     assert fixes.time - fixes.first_byte < 2e9
-    assert math.isnan(fixes.tractor_yaw) or abs(fixes.tractor_yaw) <= math.pi
 
 
 def index_of(x: float) -> int:
@@ -93,9 +89,9 @@ def index_of(x: float) -> int:
 
 def assert_of_one_instant(fixes: Fixes) -> None:
     """Assert that both places, where both are there, and the heading are of one epoch."""
-    assert not abs(fixes.tractor_x - fixes.trailer_x) > METRES / 2.0
-    if math.isfinite(fixes.tractor_x + fixes.tractor_yaw):
-        assert fixes.tractor_yaw == pytest.approx(TURN * (index_of(fixes.tractor_x) - 60), abs=TURN / 2.0)
+    assert not abs(fixes.tractor.x - fixes.trailer.x) > METRES / 2.0
+    if math.isfinite(fixes.tractor.x + fixes.tractor.yaw):
+        assert fixes.tractor.yaw == pytest.approx(TURN * (index_of(fixes.tractor.x) - 60), abs=TURN / 2.0)
 
 
 @pytest.mark.parametrize("seed", range(LINES))
@@ -113,7 +109,7 @@ def test_two_hostile_receivers_end_no_drive_and_are_paired_again_afterwards(seed
     tail = [fixes for fixes in found if fixes.time > (112.0 - 0.2 * (CLEAN - 9)) * 1e9]
     assert len(tail) == 15
     for fixes in tail:
-        assert (fixes.tractor_heard, fixes.trailer_heard) == (1, 1)
+        assert (fixes.tractor.heard, fixes.trailer.heard) == (1, 1)
         assert_of_one_instant(fixes)
     assert all(after.epoch > before.epoch for before, after in pairwise(tail))
 
@@ -127,7 +123,7 @@ def test_epochs_that_are_late_or_lost_or_in_disorder_are_paired_by_their_own_tim
         for _ in range(2)
     ]
     found = told(*lines)
-    assert any(math.isfinite(fixes.tractor_x + fixes.trailer_x) for fixes in found)
+    assert any(math.isfinite(fixes.tractor.x + fixes.trailer.x) for fixes in found)
     for fixes in found:
         assert_sane(fixes)
         assert_of_one_instant(fixes)
@@ -147,11 +143,11 @@ def test_a_heading_that_comes_late_is_that_of_its_own_epoch_or_none(name: str, l
         for burst in bursts
     ]
     found = told(sorted(bursts + late, key=lambda burst: burst.time))
-    assert [index_of(fixes.tractor_x) for fixes in found if math.isfinite(fixes.tractor_x)] == list(range(60))
+    assert [index_of(fixes.tractor.x) for fixes in found if math.isfinite(fixes.tractor.x)] == list(range(60))
     for fixes in found:
         assert_sane(fixes)
         assert_of_one_instant(fixes)
-    headings = sum(math.isfinite(fixes.tractor_yaw) for fixes in found)
+    headings = sum(math.isfinite(fixes.tractor.yaw) for fixes in found)
     assert headings >= (50 if latest < 0.02 else 0)
 
 
@@ -163,6 +159,6 @@ def test_a_heading_with_the_time_of_another_epoch_is_none_of_this_one(name: str,
         report = replace(truth(burst.index, BEGINS[0]), time=truth(burst.index + off, BEGINS[0]).time)
         burst.frames.append(HEADINGS[name](report))
     found = told(bursts)
-    assert not any(math.isfinite(fixes.tractor_yaw) and math.isfinite(fixes.tractor_x) for fixes in found)
+    assert not any(math.isfinite(fixes.tractor.yaw) and math.isfinite(fixes.tractor.x) for fixes in found)
     for fixes in found:
         assert_sane(fixes)

@@ -206,7 +206,7 @@ def test_a_last_report_of_the_sensor_board_comes_out_when_it_is_due() -> None:
         assert not navigation.poll(math.nextafter(due, 0.0))
         found, now = navigation.poll(due), due
     (last,) = found
-    assert math.isnan(last.tractor_x)
+    assert math.isnan(last.tractor.x)
     assert last.wheel_speed == 1.5
     assert not navigation.poll(now + 5.0)
 
@@ -228,7 +228,7 @@ def test_satellites_are_reported_as_far_as_a_receiver_tells_them() -> None:
             if line == BODIES[0]:  # the trailer's is silent
                 lines[line].arrive(now + 10.0, data)
         told += over_the_channel(navigation.poll(now + 10.0))
-    assert {(each.tractor_satellites, each.trailer_satellites) for each in told} == {(20, 0)}
+    assert {(each.tractor.satellites, each.trailer.satellites) for each in told} == {(20, 0)}
 
 
 def test_epochs_with_corrections_of_any_age_reach_the_controller() -> None:
@@ -247,5 +247,5 @@ def test_epochs_with_corrections_of_any_age_reach_the_controller() -> None:
         (fixes,) = navigation.poll(second + 0.1)
         received = decode(encode(fixes), Fixes)
         assert isinstance(received, Fixes)
-        epochs[age] = received.tractor_correction_age
+        epochs[age] = received.tractor.correction_age
     assert epochs == {1.0: 0.5, 100.0: 105.0, 300.0: 600.0}  # the middle of each class

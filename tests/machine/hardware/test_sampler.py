@@ -1,13 +1,12 @@
 """The sampler: which epochs become measurements, and what is measured where none comes."""
 
 import math
-from dataclasses import fields
 from itertools import pairwise
 
 import pytest
+from fixes import fixes_of
 
 from drawbar.machine.hardware.sampler import Sampler
-from drawbar.messages import Fixes
 from drawbar.signals import FixQuality
 
 SECOND = 1_000_000_000
@@ -16,11 +15,10 @@ DELAY = 50_000_000
 
 
 def fixes(epoch, delay=DELAY, **given):
-    values = dict.fromkeys((field.name for field in fields(Fixes)), 0)
-    values |= {"epoch": epoch, "time": epoch + delay}
+    values = {"epoch": epoch, "time": epoch + delay}
     values |= {"tractor_x": 1.0, "tractor_y": 2.0, "trailer_x": -3.0, "trailer_y": 0.5}
     values |= {"tractor_quality": 5, "trailer_quality": 4, "wheel_speed": math.nan, "tractor_speed": 0.7}
-    return Fixes(**(values | given))
+    return fixes_of(**(values | given))
 
 
 @pytest.mark.parametrize("alone", ["tractor_x", "trailer_x"])

@@ -38,7 +38,6 @@ reports = st.builds(
     yaw=angles,
     roll=inclinations,
     pitch=inclinations,
-    attitude_sigma=st.floats(0.001, 0.05),
     inertial_yaw=angles,
     yaw_rate=st.floats(-1.5, 1.5),
     heading_is_fixed=st.booleans(),
@@ -75,7 +74,6 @@ def check_yaw(found: Epoch, report: Report, tolerance: float) -> None:
     assert math.isfinite(found.yaw) is report.heading_is_fixed
     if report.heading_is_fixed:
         assert math.remainder(found.yaw - report.yaw, 2.0 * math.pi) == pytest.approx(0.0, abs=tolerance)
-        assert found.yaw_sigma > 0.0
 
 
 @usual
@@ -93,7 +91,6 @@ def test_sentences_are_read_as_what_was_reported(report: Report) -> None:
     assert found.day == report.time.date()
     if report.heading_is_fixed:
         assert (found.roll, found.pitch) == pytest.approx((report.roll, report.pitch), abs=1e-5)
-        assert (found.yaw_sigma, found.roll_sigma) == pytest.approx((report.attitude_sigma,) * 2, abs=1e-5)
 
 
 @usual
@@ -109,7 +106,6 @@ def test_blocks_are_read_as_what_was_reported(report: Report) -> None:
     if report.heading_is_fixed:
         assert (found.roll, found.pitch) == pytest.approx((report.roll, report.pitch), abs=1e-6)
         assert found.yaw_rate == pytest.approx(report.yaw_rate, abs=1e-6)
-        assert found.pitch_sigma == pytest.approx(report.attitude_sigma, rel=1e-5)
 
 
 @usual
@@ -200,7 +196,6 @@ def test_what_two_antennas_do_not_show_is_the_inertial_sensors() -> None:
     assert len(found) == 3
     for epoch in found:
         assert (epoch.yaw, epoch.pitch, epoch.roll) == pytest.approx((1.0, 0.02, 0.05), abs=1e-3)
-        assert epoch.pitch_sigma < epoch.roll_sigma
     assert found[-1].yaw_rate == pytest.approx(0.5, abs=0.01)
 
 
@@ -210,7 +205,6 @@ def test_two_antennas_leave_one_axis_out() -> None:
         found = epoch(frames)
         assert found.pitch == pytest.approx(0.1, abs=1e-4)
         assert math.isnan(found.roll)
-        assert math.isnan(found.roll_sigma)
 
 
 @pytest.mark.parametrize("change", [{"latitude": math.nan}, {"speed": math.inf}, {"quality": FixQuality.UNKNOWN}])

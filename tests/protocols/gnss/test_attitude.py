@@ -24,7 +24,7 @@ def test_a_heading_that_floats_is_not_taken(report: Maker, once: Once, encode: C
     assert once(nmea.gga(fixed) + encode(fixed)).yaw == pytest.approx(1.0, abs=1e-4)
     floating = replace(fixed, heading_is_fixed=False)
     epoch = once(nmea.gga(floating) + encode(floating))
-    assert all(math.isnan(each) for each in (epoch.yaw, epoch.yaw_sigma, epoch.roll, epoch.pitch))
+    assert all(math.isnan(each) for each in (epoch.yaw, epoch.roll, epoch.pitch))
     assert epoch.has_fix
 
 
@@ -83,8 +83,6 @@ def test_the_line_of_the_antennas_is_turned_onto_the_body(
     epoch = once(ubx.relposned(report(yaw=1.0, pitch=0.1)), antennas=antennas)  # its end is lower than its beginning
     assert epoch.yaw == pytest.approx(yaw, abs=1e-6)
     assert (epoch.roll, epoch.pitch) == pytest.approx((roll, pitch), abs=1e-3, nan_ok=True)
-    assert math.isfinite(epoch.roll_sigma) is math.isfinite(roll)
-    assert math.isfinite(epoch.pitch_sigma) is math.isfinite(pitch)
 
 
 def test_a_plane_of_antennas_is_turned_as_a_whole(report: Maker, once: Once) -> None:
@@ -92,19 +90,9 @@ def test_a_plane_of_antennas_is_turned_as_a_whole(report: Maker, once: Once) -> 
     assert (epoch.roll, epoch.pitch) == pytest.approx((0.02, 0.03), abs=1e-5)
 
 
-def test_deviations_are_those_reported_or_usual_for_the_distance(report: Maker, once: Once) -> None:
-    told = report(yaw=1.0, pitch=0.1, roll=0.1, attitude_sigma=0.002)
-    assert once(nmea.hrp(told)).yaw_sigma == pytest.approx(0.002, abs=1e-5)
-    assert once(sbf.att_euler(told) + sbf.att_cov_euler(told)).roll_sigma == pytest.approx(0.002, abs=1e-5)
-    silent = nmea.gga(told) + nmea.hpr(told)
-    assert once(silent).yaw_sigma == pytest.approx(math.radians(0.3))
-    wide = once(silent, antennas=AntennaSettings(baseline=2.0))
-    assert wide.yaw_sigma == wide.pitch_sigma == pytest.approx(math.radians(0.15))
-
-
 def test_the_yaw_of_an_inertial_sensor_is_not_a_heading(report: Maker, once: Once) -> None:
     epoch = once(nmea.panda(report(inertial_yaw=1.0, roll=0.1, pitch=0.05)))
     assert math.isnan(epoch.yaw)
     assert (epoch.inertial_yaw, epoch.roll, epoch.pitch) == pytest.approx((1.0, 0.1, 0.05), abs=1e-3)
     without = once(nmea.panda(report()))
-    assert all(math.isnan(each) for each in (without.inertial_yaw, without.roll, without.pitch, without.roll_sigma))
+    assert all(math.isnan(each) for each in (without.inertial_yaw, without.roll, without.pitch))

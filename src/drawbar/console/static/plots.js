@@ -2,7 +2,7 @@
 // stand one below the other on a phone.
 function plotLook(names) {
   const colour = (name) => getComputedStyle(document.body).getPropertyValue(name).trim();
-  const number = (value) => value.toLocaleString(document.documentElement.lang, { maximumFractionDigits: 6, useGrouping: false });
+  const number = (value) => value.toLocaleString(document.documentElement.lang, { maximumFractionDigits: 6, useGrouping: false }).replace("-", "−");
   const axis = { nameTextStyle: { color: colour("--ink"), fontSize: 14 }, axisLabel: { color: colour("--ink"), formatter: number }, splitLine: { lineStyle: { color: colour("--edge"), opacity: 0.4 } } };
   const top = window.innerWidth < 600 ? 16 + 24 * names : 48;
   return { color: COLOURS[document.body.classList.contains("body--dark") ? "dark" : "light"], grid: { top }, xAxis: axis, yAxis: axis, legend: { textStyle: { color: colour("--ink") }, pageTextStyle: { color: colour("--ink") }, pageIconColor: colour("--ink") } };

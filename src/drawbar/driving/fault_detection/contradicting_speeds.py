@@ -32,8 +32,8 @@ class ContradictingSpeeds:
     def receive_fixes(self, fixes: Fixes) -> None:
         """Update with an epoch, or a report of the wheels alone; without the antenna's speed nothing is cleared."""
         wheels, time = abs(fixes.wheel_speed), seconds(fixes.wheel_speed_time)
-        if math.isfinite(fixes.tractor_speed):
-            slower, faster = sorted((wheels, fixes.tractor_speed))
+        if math.isfinite(fixes.tractor.speed):
+            slower, faster = sorted((wheels, fixes.tractor.speed))
             self.found = faster - slower > _DIFFERENCE and faster > _RATIO * slower
         else:
             self.found |= wheels < _DIFFERENCE and self._stopped_hard(time, wheels)

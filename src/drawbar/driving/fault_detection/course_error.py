@@ -51,8 +51,8 @@ class CourseError:
 
     def receive_fixes(self, fixes: Fixes) -> None:
         """Take in an epoch."""
-        known = fixes.tractor_speed >= _LEAST_SPEED and math.isfinite(fixes.tractor_course)
-        self._epoch = (seconds(fixes.epoch), fixes.tractor_course) if known else (math.nan, math.nan)
+        known = fixes.tractor.speed >= _LEAST_SPEED and math.isfinite(fixes.tractor.course)
+        self._epoch = (seconds(fixes.epoch), fixes.tractor.course) if known else (math.nan, math.nan)
 
     def update(self, record: StepRecord) -> None:
         """Update with a step."""

@@ -62,10 +62,10 @@ class MirroredSteering:
 
         suspected: the run is stopping as its position is not known well enough, or the hitch angle contradicts.
         """
-        time, speed, course = seconds(fixes.epoch), fixes.tractor_speed, fixes.tractor_course
+        time, speed, course = seconds(fixes.epoch), fixes.tractor.speed, fixes.tractor.course
         known = speed >= _LEAST_SPEED and math.isfinite(course + steering)
         fresh = seconds(fixes.time) - time <= _OLDEST
-        if not (known and fresh) or math.cos(course - fixes.tractor_yaw) < 0.0:  # backwards; not where no yaw is known
+        if not (known and fresh) or math.cos(course - fixes.tractor.yaw) < 0.0:  # backwards; not where no yaw is known
             self._samples.clear()
             return
         curvature = math.tan(steering) / self._wheelbase

@@ -114,9 +114,9 @@ class Notices:
     def receive_fixes(self, fixes: Fixes) -> None:
         """Take in an epoch."""
         time = self._newest = seconds(fixes.epoch)
-        for heard, newest in zip(self._receivers, (fixes.tractor_heard, fixes.trailer_heard), strict=True):
+        for heard, newest in zip(self._receivers, (fixes.tractor.heard, fixes.trailer.heard), strict=True):
             heard.update(time, heard=bool(newest))
-        self._pairs.update(time, heard=(fixes.tractor_heard, fixes.trailer_heard))
+        self._pairs.update(time, heard=(fixes.tractor.heard, fixes.trailer.heard))
         for heard, value in zip(self._sensors, (fixes.hitch_angle, fixes.wheel_speed), strict=True):
             heard.update(time, heard=math.isfinite(value))
 

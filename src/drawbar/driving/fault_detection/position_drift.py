@@ -23,7 +23,7 @@ import math
 from dataclasses import replace
 
 from drawbar.driving.fault_detection.antenna_drift import AntennaDrift, slow_ratio
-from drawbar.messages import Fixes
+from drawbar.messages import Fixes, ReceiverReport
 from drawbar.nanoseconds import seconds
 from drawbar.signals import FixQuality, Measurement
 
@@ -118,8 +118,8 @@ class PositionDrift:
     def receive_fixes(self, fixes: Fixes) -> None:
         """Add an epoch."""
         self._time = time = seconds(fixes.epoch)
-        tractor = self._tractor.add(time, *_motion(fixes, "tractor"))
-        trailer = self._trailer.add(time, *_motion(fixes, "trailer"))
+        tractor = self._tractor.add(time, *_motion(fixes.tractor))
+        trailer = self._trailer.add(time, *_motion(fixes.trailer))
         self._contradictions = self._contradictions + 1 if _contradict(tractor, trailer) else 0
 
 
@@ -136,16 +136,13 @@ def _agree(tractor: float, trailer: float) -> bool:
     return tractor * trailer > 0.0 and least > _EACH and mean > 1.0
 
 
-def fixed_motion(fixes: Fixes, body: str) -> tuple[float, float, tuple[float, float]]:
+def fixed_motion(report: ReceiverReport) -> tuple[float, float, tuple[float, float]]:
     """Return position (m) and velocity (m/s) of an antenna, NaN unless its ambiguities are fixed."""
-    x, y, velocity = _motion(fixes, body)
+    x, y, velocity = _motion(report)
     return (x, y, velocity) if math.isfinite(x) else (math.nan, math.nan, (math.nan, math.nan))
 
 
-def _motion(fixes: Fixes, body: str) -> tuple[float, float, tuple[float, float]]:
+def _motion(report: ReceiverReport) -> tuple[float, float, tuple[float, float]]:
     """Return position (m) and velocity (m/s) of an antenna, the position NaN unless its ambiguities are fixed."""
-    speed, course = getattr(fixes, f"{body}_speed"), getattr(fixes, f"{body}_course")
-    velocity = (speed * math.cos(course), speed * math.sin(course))
-    if getattr(fixes, f"{body}_quality") != FixQuality.FIXED:
-        return math.nan, math.nan, velocity
-    return getattr(fixes, f"{body}_x"), getattr(fixes, f"{body}_y"), velocity
+    velocity = (report.speed * math.cos(report.course), report.speed * math.sin(report.course))
+    return (report.x, report.y, velocity) if report.quality == FixQuality.FIXED else (math.nan, math.nan, velocity)

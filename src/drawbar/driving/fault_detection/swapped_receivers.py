@@ -29,8 +29,8 @@ class SwappedReceivers:
 
     def receive_fixes(self, fixes: Fixes) -> None:
         """Update with an epoch; one without both positions or any motion is ignored."""
-        x, y, velocity = fixed_motion(fixes, "tractor")
-        behind_x, behind_y, drawn = fixed_motion(fixes, "trailer")
+        x, y, velocity = fixed_motion(fixes.tractor)
+        behind_x, behind_y, drawn = fixed_motion(fixes.trailer)
         ahead = (x - behind_x, y - behind_y)
         along = [each for each in (_cosine(ahead, way) for way in (velocity, drawn)) if math.isfinite(each)]
         if along:

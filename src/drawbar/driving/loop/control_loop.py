@@ -16,8 +16,8 @@ from drawbar.signals import Measurement, StepRecord
 LATE = 20_000_000
 """a command that leaves so long after its epoch was complete, or given up, is late, ns: waiting for a receiver that
 loses epochs is not the computer's fault"""
-REPEAT = 100_000_000
-"""between a command and its repetition, ns: what is older than 0.2 s is not obeyed"""
+REPEAT = 50_000_000
+"""between a command and its repetition, ns: a controller that is held up for up to `VALIDITY` less this steers on"""
 _NEVER = 2**63
 
 
@@ -69,7 +69,7 @@ class ControlLoop:
         measurement = self._sampler.take(fixes)
         if measurement is None:
             return
-        ages = (fixes.tractor_correction_age, fixes.trailer_correction_age)
+        ages = (fixes.tractor.correction_age, fixes.trailer.correction_age)
         for i, age in enumerate(ages[: len(self._corrected)]):
             if math.isfinite(age):
                 self._corrected[i] = seconds(fixes.epoch) - age

@@ -100,7 +100,7 @@ class Rehearsal:
         )
         self._guard = Guard(safety.timing)
         self._tick, self._due, self._look = safety.timing.tick, 0.0, 0.0
-        self._ticked = -math.inf
+        self._ticked = -self._tick
         self._records: list[tuple[StepRecord, Truth]] = []
         self._fixes: list[Fixes] = []
         self._states: list[GateState] = []
@@ -197,7 +197,7 @@ class Rehearsal:
     def _run_gate(self) -> None:
         urgent = self.gate.receive(lambda: self.time)
         if urgent or self.time >= self._due:
-            self.gate.tick(self.time, max(self.time - self._due - seconds(STEP), 0.0))
+            self.gate.tick(self.time, max(self.time - self._ticked - self._tick - seconds(STEP), 0.0))
             self._due = next_tick(self.time, self._tick, self.time - self._ticked, urgent=urgent)
             self._ticked = self.time
 

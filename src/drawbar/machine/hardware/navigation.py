@@ -10,7 +10,7 @@ from typing import Any
 from drawbar.geometry import LocalFrame
 from drawbar.machine.hardware.receiver import Receiver
 from drawbar.machine.hardware.sensor_line import SensorLine
-from drawbar.messages import Fixes
+from drawbar.messages import Fixes, ReceiverReport
 from drawbar.nanoseconds import nanoseconds
 from drawbar.protocols.gnss.epoch import Epoch
 from drawbar.protocols.gnss.pairing import Body, Pair, Pairing
@@ -24,6 +24,19 @@ _VALID = 1.0
 """for how long fixes mean something, s"""
 _MOST_SATELLITES = 255
 """that a record can hold"""
+_NOTHING = ReceiverReport(
+    heard=0,
+    x=math.nan,
+    y=math.nan,
+    deviation=math.nan,
+    quality=FixQuality.NONE,
+    speed=math.nan,
+    course=math.nan,
+    roll=math.nan,
+    pitch=math.nan,
+    correction_age=math.nan,
+)
+"""of a receiver that reports nothing"""
 
 
 class Navigation:
@@ -79,47 +92,49 @@ class Navigation:
     def _fixes(self, pair: Pair, time: float) -> Fixes:
         self._sequence, self._published = (self._sequence + 1) % 2**32, self._reported
         epochs = [epoch for epoch in (pair.tractor, pair.trailer) if epoch is not None]
-        values: dict[str, Any] = self._body("tractor", pair.tractor) | self._body("trailer", pair.trailer)
         return Fixes(
             sequence=self._sequence,
             time=nanoseconds(time),
             valid_until=nanoseconds(time + _VALID),
             epoch=nanoseconds(min((epoch.time for epoch in epochs), default=self._reported)),
             first_byte=nanoseconds(min((epoch.received for epoch in epochs), default=self._came)),
-            tractor_yaw=pair.tractor.yaw if pair.tractor is not None else math.nan,
             **self._sensed(time),
-            **values,
+            tractor=self._report(pair.tractor),
+            trailer=self._report(pair.trailer),
         )
 
     def _sensed(self, time: float) -> dict[str, Any]:
         """Return the sensor board's last report, unless that is old."""
-        report = self._sensors.last if self._sensors is not None else None
-        fresh = report is not None and time - report.time <= _FRESH
-        stamp = nanoseconds(report.time) if report is not None and fresh else 0
+        hitch_angle, wheel_speed, stamp = math.nan, math.nan, 0
+        if self._sensors is not None and time - self._sensors.last.time <= _FRESH:
+            report = self._sensors.last
+            hitch_angle, wheel_speed, stamp = report.hitch_angle, report.wheel_speed, nanoseconds(report.time)
         return {
-            "hitch_angle": report.hitch_angle if report is not None and fresh else math.nan,
+            "hitch_angle": hitch_angle,
             "hitch_angle_time": stamp,
-            "wheel_speed": report.wheel_speed if report is not None and fresh else math.nan,
+            "wheel_speed": wheel_speed,
             "wheel_speed_time": stamp,
         }
 
-    def _body(self, name: str, epoch: Epoch | None) -> dict[str, Any]:
-        """Return the fields of one body."""
-        nan, x, y = math.nan, math.nan, math.nan
-        if epoch is not None and epoch.has_fix:
+    def _report(self, epoch: Epoch | None) -> ReceiverReport:
+        """Return what the receiver of one body reports; None: nothing for this instant."""
+        if epoch is None:
+            return _NOTHING
+        x, y = math.nan, math.nan
+        if epoch.has_fix:
             x, y = (float(each) for each in self._frame.east_north(epoch.latitude, epoch.longitude))
-        return {
-            f"{name}_heard": int(epoch is not None),
-            f"{name}_x": x,
-            f"{name}_y": y,
-            f"{name}_deviation": max(epoch.sigma_east, epoch.sigma_north) if epoch else nan,
-            f"{name}_quality": int(epoch.quality if epoch else FixQuality.NONE),
-            f"{name}_speed": epoch.speed if epoch else nan,
-            f"{name}_course": epoch.course if epoch else nan,
-            f"{name}_roll": epoch.roll if epoch else nan,
-            f"{name}_pitch": -epoch.pitch if epoch else nan,  # nose up positive
-            f"{name}_yaw_rate": epoch.yaw_rate if epoch else nan,
-            f"{name}_attitude_time": nanoseconds(epoch.time - epoch.attitude_age) if epoch else 0,
-            f"{name}_correction_age": epoch.correction_age if epoch else nan,
-            f"{name}_satellites": min(epoch.satellites or 0, _MOST_SATELLITES) if epoch else 0,
-        }
+        return ReceiverReport(
+            x=x,
+            y=y,
+            deviation=max(epoch.sigma_east, epoch.sigma_north),
+            quality=epoch.quality,
+            speed=epoch.speed,
+            course=epoch.course,
+            roll=epoch.roll,
+            pitch=-epoch.pitch,  # nose up positive
+            yaw=epoch.yaw,
+            yaw_rate=epoch.yaw_rate,
+            attitude_time=nanoseconds(epoch.time - epoch.attitude_age),
+            correction_age=epoch.correction_age,
+            satellites=min(epoch.satellites or 0, _MOST_SATELLITES),
+        )

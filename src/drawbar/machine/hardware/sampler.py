@@ -13,7 +13,7 @@ from dataclasses import replace
 from itertools import pairwise
 from statistics import median_low
 
-from drawbar.messages import Fixes, GateState
+from drawbar.messages import Fixes, GateState, ReceiverReport
 from drawbar.signals import FixQuality, Measurement
 
 WAIT = 100_000_000
@@ -69,7 +69,7 @@ class Sampler:
             self._sensors = fixes
             return None
         self._epochs.append(fixes.epoch)
-        known = (math.isfinite(fixes.tractor_x), not self._has_trailer or math.isfinite(fixes.trailer_x))
+        known = (math.isfinite(fixes.tractor.x), not self._has_trailer or math.isfinite(fixes.trailer.x))
         if all(known) or max(self._without) >= _USUAL or not self._delays:  # one alone was held back for the other
             self._delays.append(fixes.time - fixes.epoch)
         sample = min(fixes.epoch + median_low(self._delays), fixes.time + _AHEAD)
@@ -126,29 +126,29 @@ class Sampler:
         """Return the measurement of a sample that has an epoch."""
         return replace(
             self._without_fix(),
-            tractor_x=fixes.tractor_x,
-            tractor_y=fixes.tractor_y,
-            trailer_x=fixes.trailer_x,
-            trailer_y=fixes.trailer_y,
+            tractor_x=fixes.tractor.x,
+            tractor_y=fixes.tractor.y,
+            trailer_x=fixes.trailer.x,
+            trailer_y=fixes.trailer.y,
             hitch_angle=fixes.hitch_angle,
             hitch_angle_age=self._age(fixes.hitch_angle_time),
             speed=_speed(fixes),
             speed_age=self._age(fixes.wheel_speed_time),
             tractor_fix_age=self._age(fixes.epoch),
             trailer_fix_age=self._age(fixes.epoch),
-            tractor_fix_deviation=fixes.tractor_deviation,
-            trailer_fix_deviation=fixes.trailer_deviation,
-            tractor_roll=fixes.tractor_roll,
-            tractor_pitch=fixes.tractor_pitch,
-            tractor_yaw=fixes.tractor_yaw,
-            tractor_yaw_rate=fixes.tractor_yaw_rate,
-            tractor_attitude_age=self._age(fixes.tractor_attitude_time),
-            trailer_roll=fixes.trailer_roll,
-            trailer_pitch=fixes.trailer_pitch,
-            trailer_yaw_rate=fixes.trailer_yaw_rate,
-            trailer_attitude_age=self._age(fixes.trailer_attitude_time),
-            tractor_fix_quality=FixQuality(fixes.tractor_quality),
-            trailer_fix_quality=FixQuality(fixes.trailer_quality),
+            tractor_fix_deviation=fixes.tractor.deviation,
+            trailer_fix_deviation=fixes.trailer.deviation,
+            tractor_roll=fixes.tractor.roll,
+            tractor_pitch=fixes.tractor.pitch,
+            tractor_yaw=fixes.tractor.yaw,
+            tractor_yaw_rate=fixes.tractor.yaw_rate,
+            tractor_attitude_age=self._age(fixes.tractor.attitude_time),
+            trailer_roll=fixes.trailer.roll,
+            trailer_pitch=fixes.trailer.pitch,
+            trailer_yaw_rate=fixes.trailer.yaw_rate,
+            trailer_attitude_age=self._age(fixes.trailer.attitude_time),
+            tractor_fix_quality=FixQuality(fixes.tractor.quality),
+            trailer_fix_quality=FixQuality(fixes.trailer.quality),
         )
 
     def _age(self, time: int) -> float:
@@ -158,20 +158,22 @@ class Sampler:
 
 def _is_of_sensors(fixes: Fixes) -> bool:
     """Return whether it is a report of the sensor board that came by itself, and no epoch."""
-    places = math.isfinite(fixes.tractor_x) or math.isfinite(fixes.trailer_x)
+    places = math.isfinite(fixes.tractor.x) or math.isfinite(fixes.trailer.x)
     return not places and fixes.epoch in (fixes.hitch_angle_time, fixes.wheel_speed_time)
 
 
 def _without_antennas(fixes: Fixes) -> Fixes:
     """Return what an epoch of no sample holds besides its positions: a sample that has none may need the speed."""
-    nan, none = math.nan, FixQuality.NONE
-    still = replace(fixes, tractor_x=nan, tractor_y=nan, trailer_x=nan, trailer_y=nan)
-    return replace(still, tractor_quality=none, trailer_quality=none)
+    return replace(fixes, tractor=_without_antenna(fixes.tractor), trailer=_without_antenna(fixes.trailer))
+
+
+def _without_antenna(report: ReceiverReport) -> ReceiverReport:
+    return replace(report, x=math.nan, y=math.nan, quality=FixQuality.NONE)
 
 
 def ground_speed(fixes: Fixes) -> float:
     """Return the speed over ground of the tractor's receiver, or of the trailer's where that one reports none, m/s."""
-    return fixes.tractor_speed if math.isfinite(fixes.tractor_speed) else fixes.trailer_speed
+    return fixes.tractor.speed if math.isfinite(fixes.tractor.speed) else fixes.trailer.speed
 
 
 def _speed(fixes: Fixes) -> float:

@@ -3,13 +3,9 @@
 import math
 
 from drawbar.geometry import wrap
-from drawbar.protocols.gnss.messages import Attitude, AttitudeAccuracy, Content, InertialAttitude
+from drawbar.protocols.gnss.messages import Attitude, Content, InertialAttitude
 from drawbar.protocols.gnss.settings import AntennaSettings
 
-HEADING_DEVIATION = math.radians(0.3)
-"""standard deviation of the direction of a line of 1 m, where the receiver reports none, rad"""
-INERTIAL_DEVIATION = math.radians(1.0)
-"""standard deviation of roll and pitch of the boards' inertial sensors, rad"""
 _SMALL = 0.1
 """an inclination that is not measured may be left out where its share is below this"""
 
@@ -38,9 +34,9 @@ def _is_fixed(attitude: Attitude, position_is_fixed: bool) -> bool:
 
 
 def body_attitude(attitude: Attitude | None, contents: list[Content], antennas: AntennaSettings) -> dict[str, float]:
-    """Return yaw, roll and pitch of the body with their deviations (rad), as fields of an epoch; what is known of them.
+    """Return yaw, roll and pitch of the body (rad), as fields of an epoch; what is known of them.
 
-    What the line does not show is an inertial sensor's.
+    What the line does not show is an inertial sensor's. How exact they are is stated in the configuration (`sensors`).
     A line at an angle a to the body measures its own inclination: roll = roll' cos a - pitch' sin a and
     pitch = roll' sin a + pitch' cos a, for small inclinations.
     """
@@ -48,21 +44,12 @@ def body_attitude(attitude: Attitude | None, contents: list[Content], antennas: 
     if attitude is None:
         return inertial
     sine, cosine = math.sin(antennas.line), math.cos(antennas.line)
-    roll = _sum(attitude.roll, cosine, attitude.pitch, -sine)
-    pitch = _sum(attitude.roll, sine, attitude.pitch, cosine)
-    usual = HEADING_DEVIATION / (antennas.baseline or 1.0)
-    deviations = next((each for each in contents if isinstance(each, AttitudeAccuracy)), AttitudeAccuracy())
-    along, across = _or(deviations.roll, usual), _or(deviations.pitch, usual)
     found = {
         "yaw": wrap(attitude.yaw - antennas.line),
-        "yaw_sigma": _or(deviations.yaw, usual),
-        "roll": roll,
-        "roll_sigma": math.hypot(along * cosine, across * sine),
-        "pitch": pitch,
-        "pitch_sigma": math.hypot(along * sine, across * cosine),
+        "roll": _sum(attitude.roll, cosine, attitude.pitch, -sine),
+        "pitch": _sum(attitude.roll, sine, attitude.pitch, cosine),
     }
-    known = {name for name in ("yaw", "roll", "pitch") if math.isfinite(found[name])}
-    return inertial | {name: value for name, value in found.items() if name.removesuffix("_sigma") in known}
+    return inertial | _known(found)
 
 
 def _inertial(contents: list[Content]) -> dict[str, float]:
@@ -70,11 +57,11 @@ def _inertial(contents: list[Content]) -> dict[str, float]:
     sensor = next((each for each in contents if isinstance(each, InertialAttitude)), None)
     if sensor is None:
         return {}
-    found = {"inertial_yaw": sensor.yaw}
-    for name, value in (("roll", sensor.roll), ("pitch", sensor.pitch)):
-        if math.isfinite(value):
-            found |= {name: value, f"{name}_sigma": INERTIAL_DEVIATION}
-    return found
+    return {"inertial_yaw": sensor.yaw} | _known({"roll": sensor.roll, "pitch": sensor.pitch})
+
+
+def _known(angles: dict[str, float]) -> dict[str, float]:
+    return {name: value for name, value in angles.items() if math.isfinite(value)}
 
 
 def _sum(first: float, share: float, second: float, other: float) -> float:
@@ -83,8 +70,3 @@ def _sum(first: float, share: float, second: float, other: float) -> float:
     if any(math.isnan(value) and not abs(factor) <= _SMALL for value, factor in terms):
         return math.nan
     return sum(value * factor for value, factor in terms if not math.isnan(value))
-
-
-def _or(value: float, otherwise: float) -> float:
-    """Return a positive value, or the other one where it is missing or not positive."""
-    return value if value > 0.0 else otherwise

@@ -41,16 +41,10 @@ class Epoch:
     """yaw of the velocity, rad; missing below 0.3 m/s"""
     yaw: float = math.nan
     """of the body, by two antennas whose ambiguities are fixed, rad"""
-    yaw_sigma: float = math.nan
-    """standard deviation, rad"""
     roll: float = math.nan
     """right side down positive, rad"""
-    roll_sigma: float = math.nan
-    """standard deviation, rad"""
     pitch: float = math.nan
     """front down positive, rad"""
-    pitch_sigma: float = math.nan
-    """standard deviation, rad"""
     inertial_yaw: float = math.nan
     """of an inertial sensor, from any zero, drifting: for differences over short times only, rad"""
     yaw_rate: float = math.nan

@@ -102,18 +102,6 @@ class Attitude:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class AttitudeAccuracy:
-    """Standard deviations of the attitude of the same epoch."""
-
-    yaw: float = math.nan
-    """rad"""
-    roll: float = math.nan
-    """rad"""
-    pitch: float = math.nan
-    """rad"""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class InertialAttitude:
     """What an inertial sensor at the receiver measures: a yaw that counts from anywhere and drifts."""
 
@@ -154,9 +142,7 @@ class Spoofing:
     suspected: bool
 
 
-Content = (
-    Position | Velocity | Accuracy | Attitude | AttitudeAccuracy | InertialAttitude | Turn | Date | Latency | Spoofing
-)
+Content = Position | Velocity | Accuracy | Attitude | InertialAttitude | Turn | Date | Latency | Spoofing
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

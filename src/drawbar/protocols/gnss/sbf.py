@@ -1,4 +1,4 @@
-"""SBF of Septentrio: PVTGeodetic, PosCovGeodetic, AttEuler, AttCovEuler, BaseVectorGeod, and RFStatus.
+"""SBF of Septentrio: PVTGeodetic, PosCovGeodetic, AttEuler, BaseVectorGeod, and RFStatus.
 
 The library leaves latitude in rad and course in degrees, and passes do-not-use values on: -2e10, 65535, 255, and the
 65535 that it has scaled. Blocks are taken with error 0 only.
@@ -11,7 +11,6 @@ from typing import Any
 from drawbar.protocols.gnss.messages import (
     Accuracy,
     Attitude,
-    AttitudeAccuracy,
     Content,
     Latency,
     Position,
@@ -34,7 +33,6 @@ _QUALITIES = {
 """by type of solution; fixed location (3) and PPP (10) are no fix to drive by"""
 _MOVING_BASE_FIXED, _MOVING_BASE_FLOAT = 7, 8
 _ATTITUDE_FIXED = (2, 4)
-_ATTITUDE_AXES = ("HeadHead", "RollRoll", "PitchPitch")
 _LONGEST_LATENCY = 1.0
 """s, as in a configuration"""
 _LONGEST_BASELINE = 100.0
@@ -119,14 +117,6 @@ def att_euler(values: Values) -> tuple[Content, ...]:
     return (attitude, turn) if attitude.valid and attitude.fixed else (attitude,)
 
 
-def att_cov_euler(values: Values) -> tuple[Content, ...]:
-    """Return the standard deviations of the attitude."""
-    if values.integer("Error"):
-        return ()
-    yaw, roll, pitch = (math.radians(_root(values.deviation(f"Cov_{axis}"))) for axis in _ATTITUDE_AXES)
-    return (AttitudeAccuracy(yaw=yaw, roll=roll, pitch=pitch),)
-
-
 def base_vector_geod(values: Values) -> tuple[Content, ...]:
     """Return the line to this antenna from a moving base, if there is one; a fixed base gives no attitude."""
     code = values.integer("Type_01")
@@ -163,7 +153,6 @@ SBF: dict[int, tuple[str, int, Callable[[Values], tuple[Content, ...]]]] = {
     4007: ("PVTGeodetic", 84, pvt_geodetic),
     5906: ("PosCovGeodetic", 56, pos_cov_geodetic),
     5938: ("AttEuler", 44, att_euler),
-    5939: ("AttCovEuler", 40, att_cov_euler),
     4028: ("BaseVectorGeod", 16, base_vector_geod),
     4092: ("RFStatus", 20, rf_status),
 }

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from drawbar.protocols.gnss.messages import (
     Accuracy,
     Attitude,
-    AttitudeAccuracy,
     Content,
     Date,
     Position,
@@ -122,7 +121,7 @@ def rot(values: Values) -> tuple[Content, ...]:
 
 
 def hrp(values: Values) -> tuple[Content, ...]:
-    """Return Septentrio's heading, roll and pitch with deviations; mode 0 none, 1 and 3 float, 2 and 4 fixed."""
+    """Return Septentrio's heading, roll and pitch; mode 0 none, 1 and 3 float, 2 and 4 fixed."""
     mode = values.integer("attmode")
     attitude = Attitude(
         yaw=values.yaw("hdg"),
@@ -134,8 +133,7 @@ def hrp(values: Values) -> tuple[Content, ...]:
         satellites=values.integer("sip"),
         rank=2,
     )
-    yaw, roll, pitch = (values.number(name, math.pi / 180.0, low=0.0) for name in ("hdgstd", "rollstd", "pitchstd"))
-    return (attitude, AttitudeAccuracy(yaw=yaw, roll=roll, pitch=pitch), *_date(values, *_day(values.text("3"))))
+    return (attitude, *_date(values, *_day(values.text("3"))))
 
 
 def hpr(values: Values) -> tuple[Content, ...]:

@@ -10,7 +10,6 @@ from collections.abc import Callable
 from drawbar.protocols.gnss.messages import (
     Accuracy,
     Attitude,
-    AttitudeAccuracy,
     Content,
     Date,
     Position,
@@ -87,7 +86,6 @@ def relposned(values: Values) -> tuple[Content, ...]:
     """Return yaw, inclination and length of the line from the moving base's antenna to the rover's."""
     length = values.number("relPosLength", 1e-2, low=0.0)
     down = values.number("relPosD", 1e-2)
-    accuracy = values.number("accHeading", math.pi / 180.0, low=0.0)
     usable = all(values.integer(name) == 1 for name in ("gnssFixOK", "relPosValid", "relPosHeadingValid", "isMoving"))
     carrier = values.integer("carrSoln")
     attitude = Attitude(
@@ -99,7 +97,7 @@ def relposned(values: Values) -> tuple[Content, ...]:
         code=carrier,
         rank=3,
     )
-    return attitude, AttitudeAccuracy(yaw=accuracy, pitch=accuracy)
+    return (attitude,)
 
 
 def status(values: Values) -> tuple[Content, ...]:
