@@ -24,7 +24,7 @@ static inline double wrapped(double angle)
 /* The angle shifted by a multiple of 2 pi to within pi of the target, rad. */
 static inline double nearest_branch(double angle, double target)
 {
-    return angle + 2.0 * DRAWBAR_PI * nearbyint((target - angle) / (2.0 * DRAWBAR_PI));
+    return angle + 2.0 * DRAWBAR_PI * floor((target - angle) / (2.0 * DRAWBAR_PI) + 0.5);
 }
 
 static inline double clamped(double value, double low, double high)

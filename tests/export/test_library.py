@@ -1,17 +1,23 @@
 """The exported library in this process, built as Python's own: it does what that does."""
 
 import ctypes
+import ctypes.util
+import platform
 import re
 import shutil
 import subprocess
 import sys
-from dataclasses import replace
+from dataclasses import astuple, replace
 from itertools import islice
 
+import numpy as np
 import pytest
 
 from drawbar.codegen.compiler import find_compiler
 from drawbar.signals import Flag, Status
+
+ROUNDING = {"x86_64": (0x400, 0x800, 0xC00), "aarch64": (0x800000, 0x400000, 0xC00000)}
+"""down, up and towards zero, as fesetround() is told by the machine's <fenv.h>; to the nearest is 0"""
 
 
 @pytest.fixture(scope="module")
@@ -71,6 +77,28 @@ def test_a_copy_of_the_state_goes_on_as_the_original_would(library, simulation, 
         commands.append(of_run + [library.step(each) for each in measurements[20:]])
     assert commands[0] == commands[1]
     assert len({status for _, status in commands[0]}) == 1
+
+
+@pytest.mark.parametrize("mode", ROUNDING.get(platform.machine(), ()))
+def test_a_caller_may_round_otherwise(library, simulation, records, mode: int) -> None:
+    """Towards infinity angles were a whole turn astray."""
+    set_rounding = ctypes.CDLL(ctypes.util.find_library("m")).fesetround
+    rounding = type(library)(library.file)
+
+    def call(name: str, *arguments: object) -> int:
+        assert set_rounding(mode) == 0
+        try:
+            return library.call(name, *arguments)
+        finally:
+            set_rounding(0)
+
+    rounding.call = call
+    measurements = [record.measurement for record in records]
+    commands, statuses = library.drive(simulation.path, measurements)
+    rounded, rounded_statuses = rounding.drive(simulation.path, measurements)
+    assert rounded_statuses == statuses
+    assert rounded != commands
+    np.testing.assert_allclose(list(map(astuple, rounded)), list(map(astuple, commands)), rtol=0.0, atol=1e-8)
 
 
 def test_a_component_knows_every_setting_after_it_is_initialised(library, build) -> None:

@@ -106,6 +106,28 @@ def test_no_source_compiles_where_arithmetic_is_not_ieees(exported, fast: str, t
     assert allowed == "" or fast == "-ffinite-math-only"  # one that is asked for by name
 
 
+@pytest.mark.parametrize(
+    ("flag", "precision", "refusal"),
+    [
+        ("-mfpmath=387", Precision.DOUBLE, "drawbar needs numbers as wide as their type"),  # gcc -m32 by itself
+        ("-mfpmath=387", Precision.SINGLE, "drawbar needs numbers as wide as their type"),
+        ("-fsingle-precision-constant", Precision.DOUBLE, "constants_are_doubles"),
+    ],
+)
+def test_no_source_compiles_where_numbers_are_not_as_wide_as_their_type(
+    exported, flag: str, precision: Precision, refusal: str, tmp_path: Path
+) -> None:
+    """Such a library runs: with registers of 80 bits its sines are wrong, and it steers 0.7 rad astray."""
+    compiler = (*find_compiler(), "-w", flag)
+    text = "#if __FLT_EVAL_METHOD__ == 2\n#error wider\n#endif\ntypedef char wider[sizeof(1.0) == 8 ? 1 : -1];\n"
+    (tmp_path / "numbers.c").write_text(text, "utf-8")
+    if "wider" not in said(compiler, tmp_path, "numbers.c", warnings=()):
+        pytest.skip(f"{' '.join(find_compiler())} does not do what {flag} asks for")
+    folder = exported("articulated", precision=precision)
+    for file in sorted((folder / "src").glob("*.c")):
+        assert refusal in said(compiler, folder, f"src/{file.name}", warnings=()), file.name
+
+
 def test_sums_stay_as_they_are_written_where_clang_may_change_them(exported, tmp_path: Path) -> None:
     """No macro tells of -funsafe-math-optimizations. Sines round by adding a large number: they were wrong by 0.7."""
     compiler = next(filter(shutil.which, ("clang-14", "clang")), None)

@@ -28,7 +28,6 @@ C_LIBRARY = {
     "fmod",
     "hypot",
     "log",
-    "nearbyint",
     "sin",
     "sqrt",
     "tan",

@@ -1,10 +1,14 @@
 """What is told of a path before it is driven."""
 
+from pathlib import Path
+
 import pytest
 
 from drawbar.config import load_configuration
 from drawbar.recording.header import path_notes, run_header
 from drawbar.simulation import build_path
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 def test_off_tracking_that_no_controller_takes_away_is_reported() -> None:
@@ -19,6 +23,19 @@ def test_off_tracking_that_no_controller_takes_away_is_reported() -> None:
     for changes in (["controller.sharing.share=0.0"], ["controller.structure=centralised"]):
         alone = load_configuration("articulated", ["vehicle.trailer_steering_limit=0.1", *changes])
         assert "tractor takes" not in path_notes(alone, path, None)[0]
+
+
+def test_limits_that_stop_a_vehicle_where_off_tracking_takes_it_are_named() -> None:
+    example = str(EXAMPLES / "long-trailer.toml")
+    within = load_configuration(example)
+    path, _ = build_path(within)
+    assert path_notes(within, path, None)[0].endswith("leaving its own line (controller.sharing)")
+    for changes, named in (
+        ({"safety.drive.leaving": 0.6}, "safety.drive.leaving = 0.6 m to 0.7 m"),
+        ({"sanity.leaving": 0.6}, "sanity.leaving = 0.6 m to 0.7 m"),
+    ):
+        beyond = load_configuration(example, [f"{key}={value}" for key, value in changes.items()])
+        assert path_notes(beyond, path, None)[0].endswith(f"the vehicle is stopped: raise {named}")
 
 
 def test_a_horizon_within_which_slow_front_wheels_hardly_turn_is_reported() -> None:

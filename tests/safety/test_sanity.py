@@ -110,6 +110,19 @@ def test_receivers_that_report_at_every_fourth_sample_excuse_no_jump() -> None:
     assert jumped(32, 0.5, 0.5, held=waiting)[32] == Status.JUMPED
 
 
+@pytest.mark.parametrize(("measured", "jumps"), [(1.0, True), (1.3, False), (0.7, False), (math.nan, True)])
+def test_what_an_estimated_speed_lags_behind_is_no_jump(measured: float, jumps: bool) -> None:
+    sanity, statuses = Sanity(), []
+    for k in range(60):
+        seen = replace(measurement(k), speed=measured)
+        ahead = 0.5 if k >= 30 else 0.0
+        bodies = [Pose(x=each + ahead, y=0.0, yaw=0.0) for each in (seen.tractor_x, seen.trailer_x)]
+        fix = FixStatus.ACCEPTED if k % 5 == 0 else FixStatus.STALE
+        told = believed(*bodies, speed=1.0, tractor_fix=fix, trailer_fix=fix)
+        statuses.append(sanity.look(seen, told, beside(0.0), beside(0.0))[0])
+    assert (statuses[30] == Status.JUMPED) is jumps
+
+
 def test_small_jumps_and_those_of_one_body_do_not() -> None:
     for tractor, trailer in ((0.29, 0.29), (0.5, 0.0), (0.0, 0.5)):
         assert not any(jumped(30, tractor, trailer))
@@ -164,6 +177,19 @@ def test_fixes_that_are_not_believed_slow_as_coarse_ones_do(deviation: float) ->
         shares.append(sanity.look(seen, blind if k > 10 else estimate(), beside(0.0), beside(0.0))[1])
     assert shares == [1.0] * 13 + [0.4] * 7
     assert sanity.look(measurement(20), estimate(), beside(0.0), beside(0.0)) == (0, 1.0)
+
+
+@pytest.mark.parametrize(("deviation", "steady"), [(0.02, 1.0), (0.8, 0.4)])
+@pytest.mark.parametrize("between", [FixStatus.MISSING, FixStatus.STALE])
+def test_receivers_at_1_hz_give_a_steady_speed(deviation: float, steady: float, between: FixStatus) -> None:
+    sanity, shares = Sanity(SanitySettings(coarse_after=0.5, coarse_share=0.4)), []
+    for k in range(60):
+        fix = FixStatus.ACCEPTED if k % 5 == 0 and k < 45 else between
+        seen = measurement(k, deviation=deviation)
+        told = replace(estimate(), tractor_fix=fix, trailer_fix=fix)
+        shares.append(sanity.look(seen, told, beside(0.0), beside(0.0))[1])
+    assert shares[10:47] == [steady] * 37
+    assert shares[47:] == [0.4] * 13
 
 
 def test_a_hitch_angle_that_contradicts_is_named() -> None:

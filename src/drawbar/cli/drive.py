@@ -83,11 +83,9 @@ def drive(
     """
     from drawbar.cli.calibrate import remember as keep_steerings
     from drawbar.cli.interrupts import Interrupts
-    from drawbar.driving.loop.controller import Controller
     from drawbar.driving.processes.drive_processes import DriveProcesses
     from drawbar.extras import require_extra
     from drawbar.recording.log import LOG_NAME
-    from drawbar.simulation import build_path
 
     options = None
     if with_console:
@@ -102,8 +100,8 @@ def drive(
     config, stand_ins = _configured(configuration, changes, pace)
     shown = _shown_at(live_port) if live else None
     folder = _new_folder(out, config)
-    with _removed_unless_done(folder), compiling():
-        Controller(config, build_path(config)[0], config.safety.fingerprint())
+    with _removed_unless_done(folder):
+        _compile(config)
     demonstrates = stand_ins and not (by_hand or shadow or with_console)
     with Interrupts() as interrupts:
         processes = DriveProcesses(
@@ -186,6 +184,19 @@ def _configured(name: str, changes: list[str], pace: int) -> tuple["Configuratio
         time_passes = "in real time" if pace == 1 else f"{pace} times as fast as real time"
         console.print(f"no [devices] are configured: driving stand-ins of all of them on this computer, {time_passes}")
     return config, stand_ins
+
+
+def _compile(config: "Configuration") -> None:
+    """Compile the control step, which refuses what it cannot drive; print what is to be known of the path before."""
+    from drawbar.driving.loop.controller import Controller
+    from drawbar.recording.header import path_notes
+    from drawbar.simulation import build_path
+
+    path, drivable = build_path(config)
+    for note in path_notes(config, path, drivable):
+        console.print(note, soft_wrap=True)
+    with compiling():
+        Controller(config, path, config.safety.fingerprint())
 
 
 def _run(

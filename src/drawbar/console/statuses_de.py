@@ -20,5 +20,5 @@ STATUSES_DE: Mapping[Status, str] = {
     Status.STEERING: "eine Lenkung folgt ihren Befehlen nicht: Sensor oder Antrieb ist defekt, oder jemand lenkt",
     Status.HITCH: "der Knickwinkel widerspricht der Bewegung von Traktor und Anhänger",
     Status.ROLL: "ein Neigungssensor widerspricht anderen Winkeln oder seiner Antenne: verkehrt herum oder verklemmt",
-    Status.JUMPED: "beide Positionen sind zusammen gesprungen: Basisstation oder Lösung der Empfänger hat gewechselt",
+    Status.JUMPED: "beide Positionen springen: Basisstation oder Lösung hat gewechselt, oder das Gespann rutscht",
 }

@@ -46,7 +46,7 @@ _LARGEST, _SMALLEST = "3e38", "1.2e-38"
 """numbers that a float can still hold"""
 _FUNCTIONS = (
     *("acos", "asin", "atan", "atan2", "ceil", "copysign", "cos", "exp", "expm1", "fabs", "floor", "fmax", "fmin"),
-    *("fmod", "hypot", "log", "nearbyint", "nextafter", "pow", "sin", "sqrt", "tan", "tanh"),
+    *("fmod", "hypot", "log", "nextafter", "pow", "sin", "sqrt", "tan", "tanh"),
 )
 _WORDS = re.compile(r'(/\*.*?\*/|"[^"\n]*")', re.DOTALL)
 """comments and strings"""

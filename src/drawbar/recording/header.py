@@ -58,6 +58,8 @@ def run_header(
 
 _TOLD = 0.05
 """m; off-tracking that is reported"""
+_ROOM = 0.15
+"""m; what a body may be further from its line than off-tracking takes it, within a limit that does not stop it"""
 _LITTLE, _ENOUGH = 0.345, 0.5
 """rad s^(-2/3): what the front wheels turn within the horizon, per (wheelbase / speed)^(2/3), with which a vehicle that
 begins 1 m beside its line swings about it or loses it, and with which it does not (docs/theory/control.md)"""
@@ -104,8 +106,22 @@ def _off_tracking_note(configuration: Configuration, off_tracking: float, curvat
     return (
         f"in curves of {curvature:.3g} 1/m the trailer runs {off_tracking:.2f} m beside the tractor's track even with "
         f"its steering at its limit of {limit:.0f}° (vehicle.trailer_steering_limit); no controller takes that away, "
-        f"wider curves or a larger limit do{shared}"
+        f"wider curves or a larger limit do{shared}{_stops(configuration, taken, off_tracking - taken)}"
     )
+
+
+def _stops(configuration: Configuration, tractor: float, trailer: float) -> str:
+    """Return which limits stop a vehicle whose bodies leave their line so far (m), and what lets them."""
+    limits = {
+        "safety.drive.leaving": (configuration.safety.drive.leaving, max(tractor, trailer)),
+        "sanity.leaving": (configuration.sanity.leaving, tractor),
+    }
+    raised = [
+        f"{key} = {limit:g} m to {math.ceil(10.0 * (distance + _ROOM)) / 10.0:g} m"
+        for key, (limit, distance) in limits.items()
+        if distance + _ROOM > limit
+    ]
+    return f"; so far from their line the vehicle is stopped: raise {' and '.join(raised)}" if raised else ""
 
 
 def _taken_by_the_tractor(configuration: Configuration, off_tracking: float) -> float:

@@ -14,6 +14,7 @@
 #define JUMP_MEMORY 3.0                    /* after fine positions were missing, large corrections are due: for so long they are
                                             * no jumps, s */
 #define JUMP_SHARE 0.1                     /* share of what the wheels cover that they may be wrong by */
+#define FIX_INTERVAL 1.25                  /* between fixes of receivers at 1 Hz, at most, s */
 
 struct position_watch {
     /* settings, described in safety/sanity.py */
@@ -50,6 +51,16 @@ static inline double positions_without_fine(struct position_watch *watch, const 
         if (fixes[i] == DRAWBAR_FIX_ACCEPTED && !(deviations[i] > watch->fine))
             watch->last_fine = measurement->time;
     return measurement->time - watch->last_fine;
+}
+
+/* Whether a time without a fine fix (s) is no longer than that between two fixes of receivers at 1 Hz, and neither has reported
+ * another since. */
+static inline int is_between_fixes(double without_fine, const struct drawbar_estimate *estimate)
+{
+    const int tractor = estimate->tractor_fix == DRAWBAR_FIX_MISSING || estimate->tractor_fix == DRAWBAR_FIX_STALE;
+    const int trailer = estimate->trailer_fix == DRAWBAR_FIX_MISSING || estimate->trailer_fix == DRAWBAR_FIX_STALE;
+
+    return tractor && trailer && without_fine < FIX_INTERVAL;
 }
 
 /* Whether a point has moved against its body's heading, and the other as well or without enough fixes. */
@@ -112,13 +123,17 @@ static inline double leap(const struct drawbar_pose *before, const struct drawba
     return hypot(now->x - before->x - covered * cos(yaw), now->y - before->y - covered * sin(yaw));
 }
 
-/* Whether both bodies have leapt: both positions have overruled the estimate. */
-static inline int positions_have_jumped(struct position_watch *watch, time_stamp time, const double *fixes,
-                                        const struct drawbar_estimate *estimate)
+/* Whether both bodies have leapt: both positions have overruled the estimate. While the vehicle speeds up or brakes, the estimated
+ * speed, a mean over the window, is behind the measured one: the next fix takes back what that makes. */
+static inline int positions_have_jumped(struct position_watch *watch, const struct drawbar_measurement *measurement,
+                                        const double *fixes, const struct drawbar_estimate *estimate)
 {
     const struct drawbar_pose bodies[] = {estimate->tractor, estimate->trailer};
+    const time_stamp time = measurement->time;
     const double elapsed = time - watch->time, covered = estimate->longitudinal_slip * estimate->speed * elapsed;
-    const double most = watch->jump + JUMP_SHARE * fabs(covered);
+    const double since_fix = fmin(time - watch->last_new, FIX_INTERVAL), slower = measurement->speed - estimate->speed;
+    const double behind = isfinite(slower) ? fabs(slower) * since_fix : 0.0;
+    const double most = watch->jump + JUMP_SHARE * fabs(covered) + behind;
     const int leapt = leap(&watch->bodies[0], &bodies[0], covered) > most
         && leap(&watch->bodies[1], &bodies[1], covered) > most;
 

@@ -91,13 +91,13 @@ int UNIT(judge)(struct component *sanity, const struct drawbar_measurement *repo
     double fixes[4];
     fine_fixes(positions, measurement, fixes);
     const int backwards = positions_move_backwards(positions, measurement, fixes, estimate);
-    const int jumped = positions_have_jumped(positions, measurement->time, fixes, estimate);
+    const int jumped = positions_have_jumped(positions, measurement, fixes, estimate);
     const int contradiction = hitch_judge(&sanity->hitch, reported->hitch_angle, measurement, estimate, departure, elapsed);
     int32_t small;
     const int32_t swings = swings_of(sanity, estimate, tractor, trailer, elapsed, &small);
 
     *share = share_of_swings(sanity, swings, small, estimate->speed, elapsed);
-    *share *= coarse > sanity->coarse_after ? sanity->coarse_share : 1.0;
+    *share *= coarse > sanity->coarse_after && !is_between_fixes(coarse, estimate) ? sanity->coarse_share : 1.0;
     if (backwards)
         return DRAWBAR_BACKWARDS;
     if (jumped)

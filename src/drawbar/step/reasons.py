@@ -111,12 +111,13 @@ def _contradicted(record: StepRecord, autopilot: Autopilot) -> str:
     if abs(crabs[0] - crabs[1]) > _SIDE_SLIP:
         return (
             f"by the measured angles of hitch and joint the tractor slides sideways by {crabs[0]:.1f}° and the "
-            f"trailer by {crabs[1]:.1f}°, which no ground does: one of both sensors drifts or is off, or a length is."
+            f"trailer by {crabs[1]:.1f}°, which no firm ground does: one of both sensors drifts or is off, a length "
+            f"is, or wheels slide."
         )
     stuck = _live(autopilot, "sanity", "hitch.stuck_time") > 0.0
     worst = "hitch_angle" if stuck else max(names, key=lambda name: abs(pairs[name][0] - pairs[name][1]))
     measured, found = pairs[worst]
-    why = "it is stuck" if stuck else "it is stuck, has the wrong sign or is off, or a stated length is"
+    why = "it is stuck" if stuck else "it is stuck, has the wrong sign or is off, a stated length is, or wheels slide"
     return (
         f"the sensor of the {names[worst]} shows {measured:.1f}°, which contradicts the motion of both bodies "
         f"({found:.1f}° are estimated): {why}."

@@ -189,7 +189,7 @@ class StandInMachine:
             self._sense(time)
         if time + _SAME >= self._epochs * self._settings.epochs:
             self._epochs += 1
-            self._report(time, truth)
+            self._report(time)
 
     def _turn(self) -> None:
         """Let the inertial sensors add up what they have felt in a tick."""
@@ -202,14 +202,14 @@ class StandInMachine:
         said = (self.hitch_counts(counts), self.pulses(int(self._way * PULSES)))
         self._leaving.append((time, SENSORS, sentence(round(time * 1e3), *said)))
 
-    def _report(self, time: float, truth: Truth) -> None:
+    def _report(self, time: float) -> None:
         """Let both receivers measure now; their bytes leave later."""
         measured, moved = self.world.measurement, self._settings
         for body, x, y in (
             ("tractor", measured.tractor_x, measured.tractor_y),
             ("trailer", measured.trailer_x, measured.trailer_y),
         ):
-            known = math.isfinite(x + y)
+            known, (speed, course) = math.isfinite(x + y), self.world.velocity(body)
             age = time - self.corrected[body] if body in self.corrected else moved.correction_age
             latitude, longitude = (float(each) for each in self._frame.level(x, y)) if known else (0.0, 0.0)
             report = Report(
@@ -217,8 +217,8 @@ class StandInMachine:
                 latitude=latitude,
                 longitude=longitude,
                 height=0.0,
-                speed=abs(truth.speed * truth.longitudinal_slip + self._rng.normal(0.0, moved.speed_sigma)),
-                course=self.world.course(body),
+                speed=abs(speed + self._rng.normal(0.0, moved.speed_sigma)),
+                course=course,
                 yaw=measured.tractor_yaw if body == "tractor" else math.nan,
                 roll=getattr(measured, f"{body}_roll"),
                 pitch=-getattr(measured, f"{body}_pitch"),  # nose up there

@@ -10,7 +10,7 @@ from drawbar.vehicle.parameters import VehicleParameters
 TICK = 0.02
 """s; what steers it is asked again at each"""
 _CREEPS = 0.01
-"""speed above which a course is that of the motion, m/s"""
+"""speed of the vehicle above which its antennas move, m/s"""
 
 
 class World:
@@ -27,13 +27,16 @@ class World:
         """The true state now."""
         return self._machine.truth()
 
-    def course(self, body: str) -> float:
-        """Return the yaw of the velocity of a body's antenna over the last tick, rad; of the body at standstill."""
+    def velocity(self, body: str) -> tuple[float, float]:
+        """Return speed, m/s, and yaw, rad, of the velocity of a body's antenna over the last tick.
+
+        At standstill they are zero and the body's yaw.
+        """
         if self._before is None or not abs(self.truth.speed) > _CREEPS:
             pose: Pose = getattr(self.truth, body)
-            return pose.yaw
+            return 0.0, pose.yaw
         (x, y), (east, north) = self._antenna(self._before, body), self._antenna(self.truth, body)
-        return math.atan2(north - y, east - x)
+        return math.hypot(east - x, north - y) / TICK, math.atan2(north - y, east - x)
 
     def _antenna(self, truth: Truth, body: str) -> tuple[float, float]:
         """Return where an antenna is, m."""

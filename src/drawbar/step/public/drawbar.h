@@ -7,7 +7,8 @@
  * drawbar_size.h has DRAWBAR_SAMPLE_TIME in seconds. Call at every sample, even when the sensors report nothing: a missing
  * value is NaN. Let each measurement begin as DRAWBAR_NOTHING_MEASURED: a zero is a measurement. The state holds everything
  * that is remembered: one per vehicle, used by one thread at a time; a copy of it continues like the original. No
- * function allocates memory, reads a clock or keeps anything outside the state.
+ * function allocates memory, reads a clock or keeps anything outside the state. Floating-point exceptions must be masked, as
+ * they are when a program begins: a comparison with a missing value raises FE_INVALID.
  *
  * Signals, statuses and their units: drawbar_signals.h.
  *
