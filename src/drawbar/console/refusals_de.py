@@ -28,7 +28,7 @@ REFUSALS_DE: Mapping[str, str] = {
     "tractor: mounting roll": "Traktor: Rollwinkel des Einbaus",
     "counts": "Zählschritte",
     "counts per degree": "Zählschritte je Grad",
-    "reported by true": "gemeldet / wahr",
+    "reported per true": "gemeldet / wahr",
     "left": "links",
     "right": "rechts",
     # calibration: why not

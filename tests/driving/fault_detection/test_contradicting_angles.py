@@ -98,6 +98,22 @@ def test_the_error_is_the_angle_that_is_missing(speed, known_after, sample_time)
         assert turned(-8.0, measured=-8.0, slip=0.8)[-1] == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.parametrize("wheelbase", [1.4, 2.8])
+def test_a_yaw_that_is_corrected_while_the_first_metres_are_driven_is_no_error_of_the_wheels(wheelbase):
+    """By 3 degrees, which is as unsure as a heading may be when driving begins."""
+    error, large = TurningError(wheelbase, 0.2), []
+    for count in range(20):
+        now = SimpleNamespace(speed=1.0, tractor_steering=0.0)
+        yaw = 3.0 * DEGREE * min(count / 5, 1.0)
+        error.update(
+            SimpleNamespace(
+                measurement=now, estimate=SimpleNamespace(longitudinal_slip=1.0, tractor=SimpleNamespace(yaw=yaw))
+            )
+        )
+        large.append(error.is_large)
+    assert not any(large)
+
+
 @pytest.mark.parametrize(("measured", "speed"), [(math.nan, 2.0), (1.0, 0.05)])
 def test_of_an_unknown_angle_or_a_standing_tractor_there_is_none(measured, speed):
     assert all(map(math.isnan, turned(5.0, measured=measured, speed=speed, until=60.0)))

@@ -53,6 +53,8 @@ def test_what_cannot_be_relied_on_is_refused_with_what_to_do(configuration, reco
     assert all("20 s of steering" in each.value.refusals[0] and not each.sets for each in short.values())
     failed = by_name(configuration, [*records, replace(records[-1], status=Status.STEERING)])
     assert all("did not follow" in each.value.refusals[0] and not each.sets for each in failed.values())
+    by_hand = [replace(records[-1], flags=Flag.RELEASED), replace(records[-1], status=Status.STEERING)]
+    assert all(each.sets for each in by_name(configuration, [*records, *by_hand]).values())
     still = [
         replace(
             each,
@@ -78,6 +80,8 @@ def test_halves_that_contradict_each_other_are_refused(configuration, records):
 def test_only_what_drawbar_steered_without_a_gap_counts(configuration, records):
     released = [replace(each, flags=Flag.RELEASED) for each in records]
     assert list(steering_memory(configuration, released)) == []
+    ended = [replace(each, flags=Flag(0), status=Status.STEERING) for each in released[-5:]]  # by hand, through a curve
+    assert list(steering_memory(configuration, [*released[:-5], *ended])) == []
     assert list(steering_memory(configuration, [])) == []
     parted = [*records[:150], *released[150:160], *records[160:220], *records[240:]]
     assert longest_steering(parted) == records[240:]

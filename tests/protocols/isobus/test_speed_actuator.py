@@ -12,6 +12,7 @@ from drawbar.protocols.isobus.name import Name
 from drawbar.protocols.isobus.node import IsobusNode
 from drawbar.protocols.isobus.speed_actuator import MachineSpeed
 from drawbar.protocols.speed_actuator import SpeedRequest
+from drawbar.transports.base import CanFrame
 
 TICK = 0.02
 DECELERATION = 0.5
@@ -74,6 +75,20 @@ def test_it_stops_by_a_ramp_and_holds_zero() -> None:
     assert yard.commanded == 0.0
     yard.run(0.5, 0.5)
     assert yard.commanded == 0.5
+
+
+def test_after_a_lost_address_it_does_not_drive_on_but_holds_zero_and_drives_when_asked_again() -> None:
+    yard = Yard().run(3.0).run(0.5, 1.0)
+    stronger = Name(identity=1, manufacturer=0, function=0)
+    yard.wire.end().write(CanFrame(0x18EEFF80, stronger.data))
+    yard.run(8.0, 1.0)
+    assert yard.commanded is None
+    assert not yard.speed.report(yard.wire.time).engaged
+    yard.run(2.5)
+    assert yard.commanded == 0.0
+    yard.run(0.5, 0.5)
+    assert yard.commanded == 0.5
+    assert yard.speed.report(yard.wire.time).engaged
 
 
 def test_an_operator_who_takes_over_is_not_driven_against() -> None:

@@ -12,19 +12,21 @@ from drawbar.driving.fault_detection.running_rms import MOVES
 from drawbar.geometry import wrap
 from drawbar.signals import StepRecord
 
-_SPAN, _WAY = 1.0, 0.99
-"""over which it is averaged: s, and m, or a little less, where that takes longer"""
+_SPAN, _WAY, _WHEELBASES = 1.0, 0.99, 0.7
+"""over which it is averaged: s, and m, or a little less, and wheelbases, where that takes longer: by what the yaw is
+corrected meanwhile counts in proportion to the wheelbase per way"""
 _LIMIT, _SLIP = math.radians(6.0), 0.25
 """error that is too large, rad, and by how much more of a measured angle may be lost by slip: the largest of 210 runs
 without a fault, on flat, rough, sloping and soft ground at 0.5 to 3 m/s, is 4.8° beyond that share"""
 
 
 class TurningError:
-    """The error over the last second and metre."""
+    """The error over the last second and metre, or what is longer."""
 
     def __init__(self, wheelbase: float, sample_time: float) -> None:
         """Begin without a sample; `wheelbase` in m, `sample_time` in s."""
         self._wheelbase, self._sample_time = wheelbase, sample_time
+        self._way = max(_WAY, _WHEELBASES * wheelbase)
         self._rates = 0.0, 0.0  # speed, m/s, and yaw rate by the wheels, rad/s, at the last sample
         self._samples = deque[tuple[float, float, float]]()
         """way, m; turned by the wheels, and yaw of the estimate, rad"""
@@ -48,10 +50,10 @@ class TurningError:
             way, turned = self._samples[-1][0] + way, self._samples[-1][1] + turned
         self._samples.append((way, turned, record.estimate.tractor.yaw))
         count = round(_SPAN / self._sample_time)
-        while len(self._samples) > count + 1 and way - self._samples[1][0] >= _WAY:
+        while len(self._samples) > count + 1 and way - self._samples[1][0] >= self._way:
             self._samples.popleft()
         first, by_wheels, yaw = self._samples[0]
-        if len(self._samples) <= count or way - first < _WAY:
+        if len(self._samples) <= count or way - first < self._way:
             return math.nan
         way, turned = way - first, turned - by_wheels
         error = (wrap(record.estimate.tractor.yaw - yaw) - turned) * self._wheelbase / way

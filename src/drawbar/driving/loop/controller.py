@@ -2,6 +2,7 @@
 
 import math
 from contextlib import suppress
+from dataclasses import replace
 
 from drawbar.config import Configuration
 from drawbar.driving.fault_detection.rollback import Rollback
@@ -22,6 +23,8 @@ _NEAR = 5.0
 """along the line, within which the place beside the vehicle is searched when the line is moved, m"""
 _STANDS = 0.1
 """speed below which the vehicle stands, m/s; AgOpenGPS boards steer from 0.06 on"""
+_ROLLED = 2.0
+"""way after which the motion of the antennas shows the heading, m"""
 _LATER = 3.0
 """times the standard deviation at which the gate stops the vehicle, at which the step itself gives up"""
 _STEERED = (SupervisorState.ENGAGING, SupervisorState.ACTIVE, SupervisorState.DEGRADED, SupervisorState.STOPPING)
@@ -61,6 +64,8 @@ class Controller:
         """as measured last, m/s"""
         self._made_engaged = False
         """the newest command was made while engaged: before that it repeats the steering, with a speed of zero"""
+        self._rolled = 0.0
+        """since the estimate began, m"""
         self._uncertainty_of = uncertainty_of(self._autopilot, configuration)
         self.uncertainty = Uncertainty()
         """of the newest estimate"""
@@ -115,6 +120,8 @@ class Controller:
             measurement = self._faults.without_faults(measurement)
             self._halt(measurement)
         self._status, self._command = self._rollback.feedback(measurement)
+        if abs(measurement.speed) >= _STANDS:
+            self._rolled += abs(measurement.speed) * self._configuration.sample_time
         self._measurement, self._made_engaged = measurement, self.engaged
         return self.repeat(now)
 
@@ -178,7 +185,17 @@ class Controller:
         """Return that of the newest estimate: before it is prepared, which counts the next fix as a usual one."""
         if not self._status.is_new_command or self._faults.exclusion.is_active:
             return Uncertainty()
-        return self._uncertainty_of(self._autopilot.record().estimate)
+        uncertainty = self._uncertainty_of(self._autopilot.record().estimate)
+        return uncertainty if self._shows_heading() else replace(uncertainty, heading=math.nan)
+
+    def _shows_heading(self) -> bool:
+        """Whether a yaw or the hitch angle is measured, or the vehicle has rolled since the estimate began.
+
+        Else only the distance of both antennas shows the hitch angle, and a centimetre of a wrong length is as much as
+        10 degrees.
+        """
+        measured = self._measurement
+        return math.isfinite(measured.tractor_yaw) or math.isfinite(measured.hitch_angle) or self._rolled >= _ROLLED
 
     def _recompute(self, change: Change) -> None:
         """Compute the last seconds again; the newest answer replaces the one that a faulty sensor has corrupted."""
@@ -302,6 +319,7 @@ class Controller:
 
     def _begin(self, progress: float) -> None:
         """Let the next sample begin a run at an arc length of the path, m."""
+        self._rolled = 0.0
         self._autopilot.begin(self._line.path, at=_within(progress, self._line.path))
         self._autopilot.set_offset(self._line.left)
         self._rollback.clear()

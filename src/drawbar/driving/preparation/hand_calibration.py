@@ -146,7 +146,7 @@ def _hitch(sensors: SensorBoardSettings, drive: HandDrive) -> CalibrationResult:
 
 
 def _wheels(pulses: float, drive: HandDrive) -> CalibrationResult:
-    value = _of_straights(drive, lambda part: part.wheel_speed / part.speeds, unit="reported by true")
+    value = _of_straights(drive, lambda part: part.wheel_speed / part.speeds, unit="reported per true")
     sets = {"devices.sensors.pulses_per_metre": pulses * value.value} if value.accepted else {}
     return CalibrationResult(name="wheel speed", value=value, sets=sets)
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from itertools import groupby
+from itertools import groupby, pairwise
 
 from drawbar.config import Configuration
 from drawbar.driving.preparation.hand_calibration import CalibrationResult
@@ -29,9 +29,14 @@ _NAMES = {"tractor": "front wheels", "trailer": "joint"}
 
 def longest_steering(records: Sequence[StepRecord]) -> list[StepRecord]:
     """Return the longest stretch in which drawbar steered and no step is missing."""
-    steered = [record for record in records if not record.flags & Flag.RELEASED]
+    steered = list(filter(_is_steered, records))
     stretches = groupby(enumerate(steered), key=lambda each: each[1].step - each[0])
     return max(([record for _, record in stretch] for _, stretch in stretches), key=len, default=[])
+
+
+def _is_steered(record: StepRecord) -> bool:
+    """Return whether drawbar steered in a step: a run that has ended while somebody else drives is not flagged."""
+    return not record.flags & Flag.RELEASED and not Status(record.status).has_ended
 
 
 def steering_memory(configuration: Configuration, records: Sequence[StepRecord]) -> Iterator[CalibrationResult]:
@@ -53,7 +58,7 @@ def steering_memory(configuration: Configuration, records: Sequence[StepRecord])
     refusals = []
     if seconds < _SHORTEST:
         refusals.append(f"{seconds:.0f} s of steering without a gap; let drawbar steer for a minute")
-    if any(record.status == Status.STEERING for record in records):
+    if any(_is_steered(before) and record.status == Status.STEERING for before, record in pairwise(records)):
         refusals.append("a steering did not follow its commands; look at its sensor and its actuator, and drive again")
     found = [_identified(configuration, part) for part in (steered, steered[:half], steered[half:])]
     for body, name in _NAMES.items():

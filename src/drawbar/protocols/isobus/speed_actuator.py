@@ -73,14 +73,14 @@ class MachineSpeed(SpeedActuator[CanFrame], Component):
         elif not self._overridden:
             self._set_point = request.speed
             self._driving_since = min(self._driving_since, time)
-        return [*self._node.send(time), *self._command.send(time, self._set_point)]
+        return [*self._node.send(time), *self._command.send(time, self._set_point, stops=not request.drive)]
 
     def report(self, time: float) -> SpeedReport:
         """Return what is known now."""
         readiness = self._readiness(time)
         taken = self._tractor.speed(_FACILITY).time > self._driving_since
         return SpeedReport(
-            engaged=taken and self._set_point is not None and readiness is Readiness.READY,
+            engaged=taken and self._command.is_sent and readiness is Readiness.READY,
             overridden=self._overridden,
             readiness=readiness,
         )

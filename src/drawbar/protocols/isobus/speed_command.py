@@ -18,7 +18,8 @@ class SpeedCommand:
     """Set points at 10 Hz under a node's address; the caller makes the ramp and takes the node's own frames.
 
     No set point (None) is said as "not available", out of turn where there was one, never by silence. After a set
-    point that is not allowed, or the loss of the address, nothing else is said until the caller has asked for none.
+    point that is not allowed, or the loss of the address, nothing else is said until the caller has asked for none, or
+    to stand.
 
     Raises:
         ConfigurationError: the limit is no speed that the field can hold
@@ -34,8 +35,19 @@ class SpeedCommand:
         self._released = self._driving = False
         self._losses = node.claim.losses
 
-    def send(self, time: float, speed: float | None) -> list[CanFrame]:
-        """Return the command that is due: set point, m/s, reverse negative, or None for none."""
+    @property
+    def is_sent(self) -> bool:
+        """Whether the last command held a set point."""
+        return self._driving
+
+    def send(self, time: float, speed: float | None, *, stops: bool = False) -> list[CanFrame]:
+        """Return the command that is due.
+
+        Args:
+            time: monotonic, s.
+            speed: set point, m/s, reverse negative, or None for none.
+            stops: whether it is part of a stop: then 0 asks to stand.
+        """
         at_once = self._driving and not self._allowed(time, speed)
         if at_once or self._losses != self._node.claim.losses:
             self._driving = self._released = False
@@ -46,10 +58,10 @@ class SpeedCommand:
             self._cadence.restart(time)
         elif not self._cadence.due(time):
             return []
-        return [self._command(time, speed)]
+        return [self._command(time, speed, stands=stops and speed == 0.0)]
 
-    def _command(self, time: float, speed: float | None) -> CanFrame:
-        set_point = math.nan
+    def _command(self, time: float, speed: float | None, *, stands: bool) -> CanFrame:
+        set_point, self._released = math.nan, self._released or stands
         if speed is None:
             self._released, self._driving = True, False
         elif self._released and self._allowed(time, speed):
