@@ -9,7 +9,8 @@
     || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "drawbar needs IEEE arithmetic: compile it without -ffast-math, -Ofast, /fp:fast and their kind"
 #endif
-#if FLT_EVAL_METHOD != 0 && FLT_EVAL_METHOD != 16    /* 16: but for half precision, which is not used */
+#if (FLT_EVAL_METHOD != 0 && FLT_EVAL_METHOD != 16) /* 16: half precision, of which no source knows */ \
+    || (defined(__i386__) && !defined(__SSE2_MATH__))    /* clang, for a processor with SSE alone: 0 is of floats */
 #error "drawbar needs numbers as wide as their type: compile it for 32-bit x86 with -msse2 -mfpmath=sse"
 #endif
 #if defined(__clang__) && __clang_major__ >= 13    /* it does not say when -funsafe-math-optimizations is on */
