@@ -16,8 +16,9 @@ from drawbar.signals import Measurement, StepRecord
 LATE = 20_000_000
 """a command that leaves so long after its epoch was complete, or given up, is late, ns: waiting for a receiver that
 loses epochs is not the computer's fault"""
-REPEAT = 50_000_000
-"""between a command and its repetition, ns: a controller that is held up for up to `VALIDITY` less this steers on"""
+REPEAT = 55_000_000
+"""between a command and its repetition, ns: a controller that is held up for up to `VALIDITY` less this steers on; a
+little more than 50 ms, so that none is repeated just before the next sample of 5, 10 or 20 Hz"""
 _NEVER = 2**63
 
 
