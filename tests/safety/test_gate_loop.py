@@ -10,7 +10,7 @@ from gate_bench import Bench
 
 from drawbar.messages import SupervisorState
 from drawbar.safety import gate_process
-from drawbar.safety.gate_process import ENDED, FAILED, GONE, run
+from drawbar.safety.gate_process import run
 
 
 class Clock:
@@ -54,7 +54,7 @@ def end_at(bench, seconds, how):
     bench.receive = heard
 
 
-@pytest.mark.parametrize(("how", "code"), [("signal", ENDED), ("gone", GONE)])
+@pytest.mark.parametrize(("how", "code"), [("signal", 0), ("gone", 3)])
 def test_it_says_off_for_a_second_and_ends(loop, how, code, capfd):
     bench = Bench()
     ends = {
@@ -117,12 +117,12 @@ def test_a_program_that_fails_says_off_before_it_ends(loop, capfd):
         raise RuntimeError("the gate's own program fails")
 
     end_at(bench, 1.0, lambda: setattr(bench.gate, "tick", fail))
-    before = len(bench.tractor.requests)
     result, clock = loop(bench)
-    assert result == FAILED
-    off = bench.tractor.requests[before:]
+    assert result == 4
+    off = [(time, request) for time, request in bench.tractor.requests if time >= 101.0]
     assert not any(request.steer for _, request in off)
-    assert off[-1][0] - off[-20][0] == pytest.approx(0.95, abs=0.01)
+    assert len(off) == 20
+    assert off[-1][0] - off[0][0] == pytest.approx(0.95, abs=0.01)
     assert "the gate's own program fails" in capfd.readouterr().err
     assert bench.transport.closed
     assert clock.time - 100.0 >= 2.0
@@ -144,6 +144,16 @@ def test_it_wakes_when_the_command_expires():
     resting.transport.fileno = lambda: -1
     gate_process._wait(resting.gate, clock, resting.time, resting.time + 9.0)
     assert waits[-1] == pytest.approx(0.01)
+
+
+def test_it_wakes_for_the_controller_until_that_is_gone():
+    bench, waits = Bench().run(), []
+    clock = SimpleNamespace(wait=lambda descriptors, duration: waits.append((set(descriptors), duration)))
+    bench.transport.fileno, bench.channel.fileno, bench.operators.fileno = lambda: 5, lambda: 6, lambda: 0
+    gate_process._wait(bench.gate, clock, bench.time, bench.time + 9.0)
+    bench.channel.gone = True
+    gate_process._wait(bench.gate, clock, bench.time, bench.time + 9.0)
+    assert waits == [({0, 5, 6}, pytest.approx(9.0)), ({0, 5}, pytest.approx(9.0))]
 
 
 def test_the_service_manager_hears_of_the_loop_itself(loop, tmp_path, monkeypatch):

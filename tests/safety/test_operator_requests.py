@@ -8,7 +8,7 @@ from gate_bench import Bench
 from drawbar.messages import Action, OperatorMessage, SupervisorState
 from drawbar.safety.causes import Cause
 from drawbar.safety.engagement import Engagement
-from drawbar.safety.operator_requests import SESSIONS, OperatorRequests
+from drawbar.safety.operator_requests import OperatorRequests
 from drawbar.safety.settings import SafetySettings
 
 READY = SupervisorState.READY
@@ -43,6 +43,13 @@ class Table:
         self.requests.receive(self.time, message)
         assert self.requests.answered == message.nonce or action is Action.PRESENT
         return self.requests.answer
+
+
+def test_nothing_is_asked_for_in_the_beginning():
+    requests = Table().requests
+    assert (requests.answered, requests.lease, requests.line, requests.nudge) == (0, 0, 0, 0.0)
+    assert requests.answer is None
+    assert math.isnan(requests.set_speed)
 
 
 def test_arming_takes_the_lease_and_engaging_needs_it():
@@ -119,7 +126,7 @@ def test_a_message_counts_once_and_while_it_is_fresh():
 
 def test_sessions_are_remembered_up_to_a_number_the_silent_ones_forgotten_first():
     table = Table()
-    for lease in range(1, SESSIONS + 1):
+    for lease in range(1, 17):
         table.ask(Action.PRESENT, lease=lease, nonce=9)
     table.ask(Action.PRESENT, lease=1, nonce=10)
     table.ask(Action.PRESENT, lease=99, nonce=9)
@@ -137,6 +144,16 @@ def test_an_operator_must_see_what_is_so_now():
     table.time += 0.01
     assert table.ask(Action.ENGAGE) is Cause.SEEN_OLD
     assert table.requests.take() == set()
+
+
+def test_of_the_states_that_were_shown_the_last_64_count():
+    table = Table()
+    seen = table.seen
+    for sequence in range(2, 65):
+        table.show(sequence)
+    assert table.ask(Action.ARM, seen=seen) is None
+    table.show(65)
+    assert table.ask(Action.ARM, seen=seen) is Cause.SEEN_OLD
 
 
 def test_who_is_responsible_must_be_heard():
@@ -245,7 +262,9 @@ def test_a_line_is_chosen_while_nothing_is_steered_and_takes_the_lease():
     assert table.ask(Action.LINE, -2.0) is None
     assert (table.requests.line, table.requests.lease) == (-2, 7)
     assert table.ask(Action.LINE, 1.0, lease=8) is Cause.LEASE_HELD
-    for value in (0.5, 1e5, -1e300):
+    assert table.ask(Action.LINE, -10_000.0) is None
+    assert table.ask(Action.LINE, -2.0) is None
+    for value in (0.5, 10_001.0, -1e300):
         assert table.ask(Action.LINE, value) is Cause.OUT_OF_RANGE
     table.engagement.state = SupervisorState.ACTIVE
     assert table.ask(Action.LINE, 1.0) is Cause.STEERED

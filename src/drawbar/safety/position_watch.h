@@ -15,6 +15,7 @@
                                             * no jumps, s */
 #define JUMP_SHARE 0.1                     /* share of what the wheels cover that they may be wrong by */
 #define FIX_INTERVAL 1.25                  /* between fixes of receivers at 1 Hz, at most, s */
+#define FIX_LATER 1.25                     /* share of the last interval after which the next fix is missing */
 
 struct position_watch {
     /* settings, described in safety/sanity.py */
@@ -25,6 +26,7 @@ struct position_watch {
     double fixes[4];                       /* fine ones of the last sample that had one, m */
     double distance, moved[2];             /* recent, by the wheels; of both points along their bodies, m */
     double observed[2];                    /* part of that distance with fixes of each point, m */
+    double interval;                       /* between the last two fine fixes that were accepted, s */
     time_stamp time, moved_to;             /* of the last sample, and of the last one with a fine fix */
     time_stamp last_fine;                  /* of the last fine fix that was accepted */
     time_stamp last_new, last_none;        /* when a receiver last reported a fine position, accepted or not; and of the last
@@ -48,19 +50,22 @@ static inline double positions_without_fine(struct position_watch *watch, const 
     const int32_t fixes[] = {estimate->tractor_fix, estimate->trailer_fix};
 
     for (int i = 0; i < 2; ++i)
-        if (fixes[i] == DRAWBAR_FIX_ACCEPTED && !(deviations[i] > watch->fine))
+        if (fixes[i] == DRAWBAR_FIX_ACCEPTED && !(deviations[i] > watch->fine) && measurement->time > watch->last_fine) {
+            watch->interval = measurement->time - watch->last_fine;
             watch->last_fine = measurement->time;
+        }
     return measurement->time - watch->last_fine;
 }
 
-/* Whether a time without a fine fix (s) is no longer than that between two fixes of receivers at 1 Hz, and neither has reported
- * another since. */
-static inline int is_between_fixes(double without_fine, const struct drawbar_estimate *estimate)
+/* Whether a time without a fine fix (s) is no longer than that between two fixes, as with receivers at 1 Hz, and neither has
+ * reported another since. */
+static inline int is_between_fixes(const struct position_watch *watch, double without_fine,
+                                   const struct drawbar_estimate *estimate)
 {
     const int tractor = estimate->tractor_fix == DRAWBAR_FIX_MISSING || estimate->tractor_fix == DRAWBAR_FIX_STALE;
     const int trailer = estimate->trailer_fix == DRAWBAR_FIX_MISSING || estimate->trailer_fix == DRAWBAR_FIX_STALE;
 
-    return tractor && trailer && without_fine < FIX_INTERVAL;
+    return tractor && trailer && without_fine < fmin(FIX_LATER * watch->interval, FIX_INTERVAL);
 }
 
 /* Whether a point has moved against its body's heading, and the other as well or without enough fixes. */

@@ -97,7 +97,7 @@ int UNIT(judge)(struct component *sanity, const struct drawbar_measurement *repo
     const int32_t swings = swings_of(sanity, estimate, tractor, trailer, elapsed, &small);
 
     *share = share_of_swings(sanity, swings, small, estimate->speed, elapsed);
-    *share *= coarse > sanity->coarse_after && !is_between_fixes(coarse, estimate) ? sanity->coarse_share : 1.0;
+    *share *= coarse > sanity->coarse_after && !is_between_fixes(positions, coarse, estimate) ? sanity->coarse_share : 1.0;
     if (backwards)
         return DRAWBAR_BACKWARDS;
     if (jumped)

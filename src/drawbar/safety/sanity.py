@@ -26,8 +26,8 @@ class SanitySettings(Settings):
     fine: Positive = 0.1
     """standard deviation up to which a fix is fine, m; RTK float is coarse"""
     coarse_after: NonNegative = 0.5
-    """time with coarse fixes only after which the vehicle is driven slower, s; with none 1.25 s: receivers at 1 Hz have
-    none in between"""
+    """time with coarse fixes only, or with none, after which the vehicle is driven slower, s; with none not before 1.25
+    times the interval of the last two, which is 1 s of receivers at 1 Hz"""
     coarse_share: Share = 0.5
     """part of the set speed then"""
     coarse_budget: Positive = 30.0

@@ -133,7 +133,7 @@ def test_a_drive_whose_sensor_drifts_ends_near_its_line_and_says_why(fault, caus
         "articulated", ["speed=1.2", "safety.engage.wiggle_test=false", "safety.engage.fixed=1.0"]
     )
     path, _ = build_path(configuration)
-    rehearsal = Rehearsal(configuration, path, 3, configuration.safety)
+    rehearsal = Rehearsal(configuration, path, 1, configuration.safety)
     while rehearsal.time < 18.0:
         rehearsal.advance()
     assert rehearsal.gate_state.state is SupervisorState.ACTIVE
