@@ -36,6 +36,7 @@ TESTS = {
     "operator_requests": ("test_operator_requests.py", "test_machine_gate.py", "test_gate_endings.py"),
     "machine_gate": (
         "test_operator_requests.py",
+        "test_gate_speed.py",
         "test_machine_gate.py",
         "test_gate_endings.py",
         "test_safety_settings.py",

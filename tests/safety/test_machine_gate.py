@@ -11,7 +11,7 @@ from drawbar.messages import Action, CommandMessage, GateState, Heartbeat, Mode,
 from drawbar.messages.records import decode, encode
 from drawbar.safety import machine_gate
 from drawbar.safety.causes import Cause
-from drawbar.safety.engagement import ACTIVE, DEGRADED, ENGAGING, FAULT, READY, STANDBY, STEERING
+from drawbar.safety.engagement import ACTIVE, ENGAGING, FAULT, READY, STANDBY, STEERING
 from drawbar.safety.machine_gate import Gate
 from drawbar.safety.wires import Wire
 from drawbar.transports.base import Received
@@ -64,7 +64,7 @@ def test_commands_are_eased_at_first_and_limited_ones_do_not_count_then():
     assert bench.state is ENGAGING
     gaps = [request.angle for time, request in bench.tractor.requests if request.steer]
     assert gaps[1] <= math.radians(7.5) + 1e-9
-    assert bench.shown.clips > 5
+    assert 5 < bench.shown.clips < 20
     bench.command = {"tractor_angle": bench.tractor.angle}
     bench.run(2.0)
     assert bench.state is ACTIVE
@@ -113,30 +113,6 @@ def test_without_a_trailer_actuator_the_tractor_is_steered_alone():
     assert (shown.trailer_angle_time, shown.engaged) == (0, 1)
 
 
-def test_a_vehicle_with_a_speed_actuator_begins_standing():
-    bench = Bench(speed_actuator=True)
-    bench.speed = 0.0
-    bench.drive()
-    assert bench.state is ACTIVE
-    assert next(r.speed for _, r in bench.speed_actuator.requests if r.drive) == 0.0
-    assert Bench(speed_actuator=True).ready().speed_actuator.requests[-1][1].drive is False
-    standing = Bench()
-    standing.speed = 0.0
-    standing.ready()
-    assert standing.state is STANDBY
-    assert Cause.TOO_SLOW.value in standing.shown.refusals
-
-
-def test_a_reverse_command_is_slowed_in_its_direction():
-    bench = driving(speed_actuator=True)
-    bench.command, bench.speed = {"speed": -1.0}, -1.0
-    bench.run(0.5)
-    bench.controller = {"tractor_quality": 4}
-    bench.run(0.6)
-    assert bench.state is DEGRADED
-    assert bench.speed_actuator.requests[-1][1].speed == -0.5
-
-
 # --- records and operators
 
 
@@ -157,6 +133,7 @@ def test_a_refused_record_keeps_from_engaging_for_a_while():
     bench = Bench().ready()
     bench.channel.waiting.append(b"garbage")
     bench.run(1.9)
+    assert bench.shown.rejects == 1
     assert Cause.COMMAND_REFUSED.value in bench.shown.refusals
     bench.run(0.2)
     assert Cause.COMMAND_REFUSED.value not in bench.shown.refusals
@@ -225,6 +202,7 @@ def test_frames_and_records_that_are_dropped_are_counted():
     assert bench.shown.dropped == 2 + 2, "two records, and one frame of each actuator"
     assert bench.tractor.received == [(100.0, b"x", "1.2.3.4:5")]
     assert set(bench.operators.subscribed) == {"front"}
+    assert bench.operators.most == 64
 
 
 def bench_command():
