@@ -193,12 +193,6 @@ ERRORS_DE: Mapping[str, str] = {
     "= {} rad does not allow; raise it, or choose a path without curves as tight":
         "Die engste Kurve ({0} 1/m) braucht {2}° der Vorderräder ({1} rad), erlaubt sind {3} rad; unter Einrichten "
         "mehr erlauben, oder eine Linie ohne so enge Kurven wählen",
-    "in curves of {} m radius the trailer's point, vehicle.tracked.trailer, would run {} m beside the line, its "
-    "steering at its limit and the tractor's point, vehicle.tracked.tractor, on the line; at most {} m is allowed: "
-    "bring these points nearer to their axles, or choose a path whose curves are wider":
-        "In Kurven von {0} m Radius liefe der Punkt des Anhängers (vehicle.tracked.trailer) {1} m neben der Linie, "
-        "auch mit voll eingeschlagener Lenkung und dem Punkt des Traktors (vehicle.tracked.tractor) auf der Linie; "
-        "höchstens {2} m: die Punkte näher an ihre Achsen legen, oder eine Linie mit weiteren Kurven wählen",
     "the path's curves need {} rad/s of the front wheels at {} m/s to stay within {} m (guidance.path_tolerance); "
     "vehicle.tractor_steering_rate = {} rad/s is too slow: raise it, or lower speed":
         "Die Kurven brauchen bei {1} m/s {0} rad/s der Vorderräder, um {2} m einzuhalten; {3} rad/s sind zu langsam: "

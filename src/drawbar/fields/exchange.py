@@ -83,7 +83,9 @@ def take_in(name: str, data: bytes, frame: LocalFrame) -> tuple[Field, ...]:
     fields = [field for field in found if not field.is_empty]
     if not fields:
         besides = ", ".join(each for field in found for each in field.left_out)
-        raise PathError(f"{name}: holds neither a line nor a boundary{f' but {besides}' if besides else ''}")
+        if besides:
+            raise PathError(f"{name}: holds neither a line nor a boundary but {besides}")
+        raise PathError(f"{name}: holds neither a line nor a boundary")
     if all(path.suffix.lower() == ".shp" for path in paths):
         return (_joined(name, fields),)
     unnamed = Path(folder).name  # of an AgOpenGPS field whose files lie in an archive without their folder
