@@ -46,6 +46,18 @@ def test_sources_that_disagree_are_not_believed(receiver, known):
     assert speeds.known(10.0) is known
 
 
+@pytest.mark.parametrize(
+    ("receiver", "known"), [([1.5, 2.0, 1.4], True), ([1.5, 1.4, 1.4], False), ([2.0, 0.4], False)]
+)
+def test_means_are_compared_as_an_antenna_sways_on_its_mast(receiver, known):
+    speeds = Speeds(SETTINGS)
+    speeds.add(9.4, "receiver", 2.0)
+    for index, value in enumerate(receiver):
+        speeds.add(10.2 - 0.2 * (len(receiver) - 1 - index), "receiver", value)
+        speeds.add(10.2 - 0.2 * (len(receiver) - 1 - index), "wheels", 2.0)
+    assert speeds.known(10.2) is known
+
+
 def test_while_it_is_not_known_it_grows_no_faster_than_the_vehicle_can():
     speeds = Speeds(SETTINGS)
     for tick in range(6):

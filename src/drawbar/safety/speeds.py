@@ -8,8 +8,9 @@ from drawbar.safety.settings import SafetySettings
 
 _SMALL = 0.1
 """a difference of two speeds below which their ratio means nothing: noise, or the delay of one of them, m/s"""
-_RECENT = 3.0
-"""longest time of a source's samples whose mean is compared with another's: the vehicle's speed changes, s"""
+_AVERAGED, _RECENT = 3, 3.0
+"""newest samples of each source whose means are compared, as an antenna sways on its mast; and longest time of all
+samples of a source whose mean is compared with another's for a wrong unit, s: the vehicle's speed changes"""
 
 
 class Speeds:
@@ -36,8 +37,9 @@ class Speeds:
 
     def known(self, time: float) -> bool:
         """Return whether there is a fresh speed, and no other that contradicts it."""
-        fresh = list(self.fresh(time).values())
-        return bool(fresh) and max(fresh) - min(fresh) <= self._timing.speed_difference
+        newest = (list(self._samples[source])[-_AVERAGED:] for source in self.fresh(time))
+        means = [fmean(abs(speed) for at, speed in each if time - at <= self._timing.speed) for each in newest]
+        return bool(means) and max(means) - min(means) <= self._timing.speed_difference
 
     def contradict(self, time: float) -> bool:
         """Return whether both sources are fresh, and differ on the average by more than slip: a wrong unit."""
