@@ -149,7 +149,7 @@ class TimingSettings(Settings):
     speed: Timeout = 0.5
     """oldest speed, s"""
     speed_difference: Positive = 0.5
-    """of wheels and receiver, on the average of their last three, above which neither is used, m/s"""
+    """of wheels and receiver, on a weighted mean of their last three, above which neither is used, m/s"""
     speed_samples: Steps = 6
     """of each source of speed whose largest counts"""
     speed_ratio: Annotated[float, Field(gt=1.0, le=5.0)] = 1.5

@@ -8,9 +8,8 @@ from drawbar.safety.settings import SafetySettings
 
 _SMALL = 0.1
 """a difference of two speeds below which their ratio means nothing: noise, or the delay of one of them, m/s"""
-_AVERAGED, _RECENT = 3, 3.0
-"""newest samples of each source whose means are compared, as an antenna sways on its mast; and longest time of all
-samples of a source whose mean is compared with another's for a wrong unit, s: the vehicle's speed changes"""
+_RECENT = 3.0
+"""longest time of a source's samples whose mean is compared with another's: the vehicle's speed changes, s"""
 
 
 class Speeds:
@@ -36,8 +35,11 @@ class Speeds:
         return {source: abs(speed) for source, (at, speed) in newest.items() if time - at <= self._timing.speed}
 
     def known(self, time: float) -> bool:
-        """Return whether there is a fresh speed, and no other that contradicts it."""
-        newest = (list(self._samples[source])[-_AVERAGED:] for source in self.fresh(time))
+        """Return whether there is a fresh speed, and no other that contradicts it.
+
+        Means of the last three are compared, as an antenna sways on its mast; the newest counts three times.
+        """
+        newest = ([*self._samples[source]][-3:] + 2 * [self._samples[source][-1]] for source in self.fresh(time))
         means = [fmean(abs(speed) for at, speed in each if time - at <= self._timing.speed) for each in newest]
         return bool(means) and max(means) - min(means) <= self._timing.speed_difference
 
