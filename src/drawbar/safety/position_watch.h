@@ -15,7 +15,7 @@
                                             * no jumps, s */
 #define JUMP_SHARE 0.1                     /* share of what the wheels cover that they may be wrong by */
 #define FIX_INTERVAL 1.25                  /* between fixes of receivers at 1 Hz, at most, s */
-#define FIX_LATER 1.25                     /* share of the last interval after which the next fix is missing */
+#define FIX_LATER 1.25                     /* times the last interval: after so long the next fix is missing */
 
 struct position_watch {
     /* settings, described in safety/sanity.py */
