@@ -11,7 +11,7 @@ COVERED = (
     *("engagement", "conditions", "causes", "operator_requests", "watch", "selftest"),
 )
 TESTS = (
-    *("engagement", "envelope", "selftest", "speeds", "following"),
+    *("engagement", "conditions", "envelope", "selftest", "speeds", "following"),
     *("machine_gate", "operator_requests", "gate_channels", "watch", "gate_loop"),
 )
 ENDINGS = ("what_ends_driving_releases_in_time_and_for_good", "it_recovers_when_the_cause_is_gone")
