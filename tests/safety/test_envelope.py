@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drawbar.messages import CommandMessage, Mode
-from drawbar.safety.envelope import Bounds, Envelope, is_after
+from drawbar.safety.envelope import AHEAD, Bounds, Envelope, is_after
 from drawbar.safety.settings import EnvelopeSettings, SafetySettings
 
 SETTINGS = SafetySettings()
@@ -76,6 +76,12 @@ def test_after_a_refused_gap_the_next_ones_follow_but_no_old_one():
 )
 def test_times_must_be_possible(now, valid, admitted):
     assert Envelope(SETTINGS, BOUNDS).admit(command(valid=valid), now) is admitted
+
+
+def test_a_command_may_be_ahead_of_the_gates_clock_by_what_both_are_read_apart():
+    time = 10.0 + AHEAD
+    assert Envelope(SETTINGS, BOUNDS).admit(command(time=time), 10.0)
+    assert not Envelope(SETTINGS, BOUNDS).admit(command(time=time + 1e-9), 10.0)
 
 
 def test_an_expired_command_does_not_keep_later_ones_out():

@@ -200,6 +200,15 @@ def test_an_angle_that_leaps_and_stays_has_jumped(sign):
     assert not readings(sign * 20.0, sign * 20.0).jumped, "where it begins is no jump"
 
 
+def test_an_angle_may_turn_as_fast_as_is_set_and_no_faster():
+    settings = DriveSettings(jump_angle=0.25, jump_rate=0.5)
+    for leap, jumped in ((0.5, False), (math.nextafter(0.5, 1.0), True)):  # 0.25 rad, and 0.5 s of 0.5 rad/s
+        following = Following(settings)
+        for time, angle in ((1.0, 0.0), (1.5, leap), (2.0, leap)):
+            following.add(time, 0.0, angle, time)
+        assert following.jumped is jumped
+
+
 def test_how_far_an_angle_may_leap_is_set():
     for changes in ({"jump_angle": 2.0 * DEGREE}, {"jump_rate": 35.0 * DEGREE}):
         leap = followed(lambda t: 3.1 if t > 0.975 else 0.0, lambda t: 0.0, 1.1, **changes)
