@@ -1,7 +1,6 @@
 """Controller: the control step between measurements and messages to the gate; time is given to it."""
 
 import math
-from contextlib import suppress
 from dataclasses import replace
 
 from drawbar.config import Configuration
@@ -10,7 +9,7 @@ from drawbar.driving.fault_detection.sensor_faults import Change, SensorFaults
 from drawbar.driving.loop.curve_limits import within_envelope
 from drawbar.driving.loop.driven_line import DrivenLine
 from drawbar.driving.loop.estimate_uncertainty import Uncertainty, uncertainty_of
-from drawbar.errors import DrawbarError, PathError
+from drawbar.driving.loop.line_selection import LineSelection
 from drawbar.geometry import wrap
 from drawbar.guidance.path import Path
 from drawbar.messages import CommandMessage, ControllerState, Fixes, GateState, Mode, SupervisorState
@@ -19,8 +18,6 @@ from drawbar.step.build import build_autopilot
 
 VALIDITY = 190_000_000
 """for how long a command may act without a new one, ns"""
-_NEAR = 5.0
-"""along the line, within which the place beside the vehicle is searched when the line is moved, m"""
 _STANDS = 0.1
 """speed below which the vehicle stands, m/s; AgOpenGPS boards steer from 0.06 on"""
 _ROLLED = 2.0
@@ -50,9 +47,7 @@ class Controller:
         """
         self._configuration, self._fingerprint = configuration, fingerprint
         self._drives = configuration.devices is not None and configuration.devices.speed == "isobus"
-        self._line, self._restart_path = DrivenLine.first(configuration, path), False
-        self._requested_line: tuple[float, float] | None = None
-        """the line that was chosen and its nudge, m"""
+        line = DrivenLine.first(configuration, path)
         self.wiggled = False
         """the actuators have passed their wiggle test"""
         self._autopilot = build_autopilot(_steering_on(within_envelope(configuration)))
@@ -71,6 +66,7 @@ class Controller:
         """of the newest estimate"""
         self._faults = SensorFaults(configuration, self._autopilot)
         self._rollback = Rollback(self._autopilot, configuration.sample_time)
+        self._lines = LineSelection(line, self._autopilot, self._rollback)
         self._gate: GateState | None = None
         self.has_corrected = False
         """the newest preparation has found another answer to its sample, which `repeat` returns"""
@@ -102,8 +98,9 @@ class Controller:
             self._autopilot.set_engaged(self.engaged)
             self._stands = False
             self._rollback.clear()
-            self._requested_line = None  # what was not possible may be now
-        self._choose_line(state.line * self._configuration.path.working_width, state.nudge)
+            self._lines.retry()
+        offset = state.line * self._configuration.path.working_width
+        self._lines.choose(offset, state.nudge, self._record, engaged=self.engaged)
         wish = state.set_speed if math.isfinite(state.set_speed) else self._configuration.speed
         self._autopilot.set_speed(max(0.0, min(wish, state.speed_limit, self._configuration.speed)))
 
@@ -114,8 +111,8 @@ class Controller:
     def feedback(self, measurement: Measurement, now: int) -> CommandMessage:
         """Return the command that answers a measurement; call prepare() once it is out."""
         self._wheel_speed = measurement.speed
-        if not self.engaged and self._is_to_begin(measurement):
-            self._begin_beside(measurement)
+        if not self.engaged and self._is_to_begin(measurement) and self._lines.begin_beside(measurement):
+            self._rolled = 0.0
         if self.engaged:
             measurement = self._faults.without_faults(measurement)
             self._halt(measurement)
@@ -124,6 +121,11 @@ class Controller:
             self._rolled += abs(measurement.speed) * self._configuration.sample_time
         self._measurement, self._made_engaged = measurement, self.engaged
         return self.repeat(now)
+
+    def _is_to_begin(self, measurement: Measurement) -> bool:
+        """Return whether a run is over or has not begun, or another one is to begin."""
+        over = self._status.has_ended or self._status is Status.START
+        return over or self._lines.is_to_begin(measurement, self._record)
 
     def _halt(self, measurement: Measurement) -> None:
         """Let the steering rest, as measured, while the driver halts: boards and valves turn no wheel then.
@@ -214,7 +216,7 @@ class Controller:
         """
         record, measurement = self._record, self._measurement
         assert record is not None
-        tractor, trailer = record.reference.tractor, record.reference.trailer
+        tractor, trailer, line = record.reference.tractor, record.reference.trailer, self._lines.line
         return ControllerState(
             sequence=self._sequence % 2**32,
             time=now,
@@ -237,8 +239,8 @@ class Controller:
             hitch_angle=record.estimate.hitch_angle,
             wheel_speed=self._wheel_speed,
             receiver_speed=receiver_speed,
-            line_offset=self._line.offset + self._line.nudge,
-            against=int(self._line.against),
+            line_offset=line.offset + line.nudge,
+            against=int(line.against),
             notices=self._faults.notices,
         )
 
@@ -251,79 +253,6 @@ class Controller:
         drives = self.engaged and self._made_engaged
         return Mode.DRIVE if drives and self._status < Status.POSITION else Mode.IDLE
 
-    def _choose_line(self, offset: float, nudge: float) -> None:
-        """Drive the line so far left of the configured one, m, and nudged.
-
-        Where that is not possible, the old one stays; `line_offset` of the controller's state shows which is driven.
-        """
-        if (offset, nudge) == self._requested_line:
-            return
-        self._requested_line = offset, nudge
-        with suppress(DrawbarError):
-            if offset != self._line.offset:
-                self._go_over(self._line.beside(offset))
-            if nudge != self._line.nudge:
-                self._nudge(self._line.nudged(nudge))
-
-    def _go_over(self, chosen: DrivenLine) -> None:
-        """Drive another line: at once if it is under the vehicle, else by a new run.
-
-        Raises:
-            PathError: that cannot be while the vehicle is steered.
-        """
-        try:
-            self._autopilot.change_path(chosen.path, at=self._progress_on(chosen.path))
-        except PathError:
-            if self.engaged:
-                raise
-            self._restart_path = True
-        self._line = chosen
-        self._rollback.clear()
-
-    def _nudge(self, nudged: DrivenLine) -> None:
-        """Drive beside the path; where the vehicle is steered, it is led there softly.
-
-        Raises:
-            DrawbarError: the autopilot refuses it.
-        """
-        self._autopilot.set_offset(nudged.left)
-        self._line = nudged
-        self._rollback.clear()
-
-    def _progress_on(self, path: Path) -> float:
-        """Return the arc length of another path beside the tractor, near that of the newest step, m."""
-        if self._record is None:
-            return 0.0
-        reference, place = self._record.reference.tractor, self._record.estimate.tractor
-        near = reference.progress
-        if not math.isfinite(near + place.x + place.y):
-            return 0.0
-        progress, _ = path.project(place.x, place.y, max(near - _NEAR, 0.0), min(near + _NEAR, path.length))
-        return _within(progress, path)
-
-    def _is_to_begin(self, measurement: Measurement) -> bool:
-        if self._restart_path or self._status.has_ended or self._status is Status.START:
-            return True
-        return self._record is not None and self._line.faces_away(
-            measurement, self._record.reference.tractor.closest[2]
-        )
-
-    def _begin_beside(self, measurement: Measurement) -> None:
-        """Let the next sample begin a run where the path is nearest, if the position is known."""
-        if not math.isfinite(measurement.tractor_x + measurement.tractor_y):
-            return
-        self._line, progress = self._line.nearest(measurement)
-        self._begin(progress)
-        self._autopilot.set_engaged(False)
-        self._restart_path = False
-
-    def _begin(self, progress: float) -> None:
-        """Let the next sample begin a run at an arc length of the path, m."""
-        self._rolled = 0.0
-        self._autopilot.begin(self._line.path, at=_within(progress, self._line.path))
-        self._autopilot.set_offset(self._line.left)
-        self._rollback.clear()
-
 
 def _steering_on(configuration: Configuration) -> Configuration:
     """Return the configuration of a step that steers on without fixes while the gate stops the vehicle for that.
@@ -333,7 +262,3 @@ def _steering_on(configuration: Configuration) -> Configuration:
     sanity, stops = configuration.sanity, configuration.safety.drive.lateral_deviation
     later = {"blind_deviation": max(sanity.blind_deviation, _LATER * stops)}
     return configuration.model_copy(update={"sanity": sanity.model_copy(update=later)})
-
-
-def _within(progress: float, path: Path) -> float:
-    return min(max(progress, 0.0), math.nextafter(path.length, 0.0))
