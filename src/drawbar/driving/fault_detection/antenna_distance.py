@@ -8,9 +8,9 @@ without an RTK fix differ by as much with one base: they are not compared.
 """
 
 import math
-from collections import deque
 from statistics import fmean
 
+from drawbar.driving.fault_detection.recent import Recent
 from drawbar.signals import FixQuality, FixStatus, Pose, SolverStatus, StepRecord
 from drawbar.vehicle.articulated import trailer_antenna
 from drawbar.vehicle.lengths import length_values
@@ -31,7 +31,7 @@ class AntennaDistance:
         """Begin without a sample; `sample_time` in s."""
         self._lengths = length_values(vehicle)
         self._masts = vehicle.masts
-        self._differences = deque[tuple[float, float]](maxlen=max(round(_SPAN / sample_time), 1))
+        self._differences = Recent[tuple[float, float]](_SPAN, sample_time)
         """m, and in which direction the tractor's antenna was, rad"""
         self._wrong: float | None = None
         """direction in which it was wrong, rad"""
@@ -52,7 +52,7 @@ class AntennaDistance:
         self._differences.append((difference, math.atan2(y - v, x - u)))
         pitches = ((self._masts.tractor.up, m.tractor_pitch), (self._masts.trailer.up, m.trailer_pitch))
         limit = _LIMIT + _LEAN * sum(up for up, pitch in pitches if math.isnan(pitch))
-        if len(self._differences) == self._differences.maxlen:
+        if self._differences.is_full:
             self._judge(limit)
         return self._wrong is not None
 

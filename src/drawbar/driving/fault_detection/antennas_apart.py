@@ -6,9 +6,9 @@ lags in a curve. The residual is larger on rough ground, and by masts that lean 
 """
 
 import math
-from collections import deque
 from statistics import fmean
 
+from drawbar.driving.fault_detection.recent import Recent
 from drawbar.driving.fault_detection.running_rms import MOVES, RunningRms
 from drawbar.signals import Pose, SolverStatus, StepRecord
 from drawbar.vehicle.parameters import Mast, Masts
@@ -31,8 +31,8 @@ class AntennasApart:
     def __init__(self, masts: Masts, sample_time: float) -> None:
         """Begin without a sample; `sample_time` in s."""
         self._masts = masts
-        self._recent = deque[float](maxlen=max(round(_SPAN / sample_time), 1))
-        self._shares = deque[float](maxlen=max(round(_HELD / sample_time), 1))
+        self._recent = Recent[float](_SPAN, sample_time)
+        self._shares = Recent[float](_HELD, sample_time)
         self._rms = RunningRms(sample_time, prior=_PRIOR, prior_time=_PRIOR_TIME)
 
     def update(self, record: StepRecord) -> float:
@@ -50,7 +50,7 @@ class AntennasApart:
             self._shares.clear()
             return 0.0
         self._recent.append(tractor - trailer)
-        if len(self._recent) < (self._recent.maxlen or 0):
+        if not self._recent.is_full:
             return 0.0
         apart, limit = fmean(self._recent), max(_LEAST, _FACTOR * self._rms.value)
         if abs(m.speed) >= MOVES:

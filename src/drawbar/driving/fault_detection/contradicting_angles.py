@@ -7,10 +7,10 @@ and more wrong, and both bodies are steered beside the line. A simulation by whe
 """
 
 import math
-from collections import deque
 from enum import Enum
 from statistics import fmean
 
+from drawbar.driving.fault_detection.recent import Recent
 from drawbar.driving.fault_detection.running_rms import RunningRms
 from drawbar.geometry import wrap
 
@@ -21,8 +21,6 @@ _FACTOR, _LEAST = 5.5, math.radians(1.0)
 210 runs without a fault, on flat, rough, sloping and soft ground at 0.5 to 3 m/s, is 4.7"""
 _PRIOR, _PRIOR_TIME = math.radians(1.6), 5.0
 """prior root mean square and its weight: rad, s"""
-_CLIP = 2.0
-"""root mean squares at which a mean is clipped before it counts for them, so that a fault hardly does"""
 _TURNING = math.radians(3.3)
 """turning error beyond which the front wheels' sensor is the wrong one, rad"""
 
@@ -41,7 +39,7 @@ class ContradictingAngles:
 
     def __init__(self, sample_time: float) -> None:
         """Begin without a sample; `sample_time` in s."""
-        self._differences = deque[float](maxlen=max(round(_SPAN / sample_time), 1))  # rad
+        self._differences = Recent[float](_SPAN, sample_time)  # rad
         self._rms = RunningRms(sample_time, prior=_PRIOR, prior_time=_PRIOR_TIME)  # of their mean, rad
 
     def update(self, measured: float, simulated: float, turning_error: float) -> Contradiction:
@@ -51,10 +49,10 @@ class ContradictingAngles:
             return Contradiction.NONE
         if math.isfinite(measured):
             self._differences.append(wrap(measured - simulated))
-        if len(self._differences) < (self._differences.maxlen or 0):
+        if not self._differences.is_full:
             return Contradiction.NONE
         mean, rms = abs(fmean(self._differences)), self._rms.value
-        self._rms.add(min(mean, _CLIP * rms))
+        self._rms.add_clipped(mean)
         if not mean > _FACTOR * max(rms, _LEAST):
             return Contradiction.NONE
         return Contradiction.FRONT_WHEELS if abs(turning_error) > _TURNING else Contradiction.TRAILER

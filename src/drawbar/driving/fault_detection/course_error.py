@@ -21,8 +21,6 @@ _EPOCHS = 3
 """in a row that have one"""
 _PRIOR, _PRIOR_TIME = math.radians(2.0), 5.0
 """prior root mean square and its weight: rad, s"""
-_CLIP = 2.0
-"""root mean squares at which an error is clipped before it counts for them"""
 _KEPT, _BEYOND = 1.0, 0.1
 """for which estimates are kept, as an epoch is older than its step, and how much newer it may be, by clocks: s"""
 
@@ -67,10 +65,10 @@ class CourseError:
         self._epoch = math.nan, math.nan
         if not math.isfinite(direction):
             return
-        error, rms = wrap(course - direction), self._rms.value
-        sign = 0 if abs(error) < max(_LIMIT, _FACTOR * rms) else 1 if error > 0.0 else -1
+        error = wrap(course - direction)
+        sign = 0 if abs(error) < max(_LIMIT, _FACTOR * self._rms.value) else 1 if error > 0.0 else -1
         self._in_a_row = self._in_a_row + sign if self._in_a_row * sign > 0 else sign
-        self._rms.add(min(abs(error), _CLIP * rms))
+        self._rms.add_clipped(abs(error))
 
     def _add(self, time: float, yaw: float, crab: float, speed: float) -> None:
         """Add an estimate; its antenna moves sideways as the yaw turns."""

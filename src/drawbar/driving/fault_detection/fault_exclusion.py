@@ -15,12 +15,12 @@ joint is held at its measured angle (driving/loop/controller.py).
 """
 
 import math
-from collections import deque
 from dataclasses import replace
 from statistics import fmean
 
 from drawbar.driving.fault_detection.confirmation import CONFIRMED
 from drawbar.driving.fault_detection.contradicting_angles import ContradictingAngles, Contradiction
+from drawbar.driving.fault_detection.recent import Recent
 from drawbar.driving.fault_detection.reversed_hitch_sensor import ReversedHitchSensor
 from drawbar.driving.fault_detection.running_rms import MOVES, RunningRms
 from drawbar.driving.fault_detection.simulated_hitch_angle import SimulatedHitchAngle
@@ -51,7 +51,7 @@ class _AntennaResidual:
 
     def __init__(self, sample_time: float) -> None:
         """Begin without a sample; `sample_time` in s."""
-        self._distances = deque[float](maxlen=max(round(_SPAN / sample_time), 1))  # m
+        self._distances = Recent[float](_SPAN, sample_time)  # m
         self._rms = RunningRms(sample_time)
 
     def contradicts(self, x: float, y: float, place: Pose, *, moves: bool) -> bool:
@@ -63,8 +63,7 @@ class _AntennaResidual:
         mean = fmean(self._distances)
         if moves:
             self._rms.add(mean)
-        full = len(self._distances) == self._distances.maxlen
-        return full and mean > _ASIDE * max(self._rms.value, _LEAST)
+        return self._distances.is_full and mean > _ASIDE * max(self._rms.value, _LEAST)
 
 
 class FaultExclusion:
@@ -79,8 +78,7 @@ class FaultExclusion:
         self._angles, self._turning = ContradictingAngles(sample_time), TurningError(vehicle.wheelbase, sample_time)
         self.steering_contradicts = False
         """the tractor does not turn as its front wheels are measured"""
-        count = max(round(_MEAN_TIME / sample_time), CONFIRMED)
-        self._residuals = deque[tuple[float, float]](maxlen=count)
+        self._residuals = Recent[tuple[float, float]](_MEAN_TIME, sample_time, least=CONFIRMED)
         self._rms = RunningRms(sample_time, prior=_PRIOR, prior_time=_PRIOR_TIME)  # of their norm, rad
         self._tractor_antenna, self._trailer_antenna = _AntennaResidual(sample_time), _AntennaResidual(sample_time)
         self._positions = self._trailer = 0
@@ -150,7 +148,7 @@ class FaultExclusion:
 
     def _angles_share(self, *, moves: bool) -> float:
         """Return the norm of the mean residuals of both angles as a share of its limit."""
-        if len(self._residuals) < (self._residuals.maxlen or 0):
+        if not self._residuals.is_full:
             return 0.0
         limit = max(_RESIDUAL, _FACTOR * self._rms.value)
         clipped = ((_clipped(hitch, _CLIP * limit), _clipped(joint, _CLIP * limit)) for hitch, joint in self._residuals)

@@ -7,9 +7,9 @@ times the mean of measured times simulated, which is rarely negative with a corr
 """
 
 import math
-from collections import deque
 from statistics import fmean
 
+from drawbar.driving.fault_detection.recent import Recent
 from drawbar.driving.fault_detection.running_rms import RunningRms
 from drawbar.geometry import wrap
 
@@ -29,7 +29,7 @@ class ReversedHitchSensor:
 
     def __init__(self, sample_time: float) -> None:
         """Begin without a sample; `sample_time` in s."""
-        self._products = deque[float](maxlen=max(round(_SPAN / sample_time), 1))  # measured times simulated, rad²
+        self._products = Recent[float](_SPAN, sample_time)  # measured times simulated, rad²
         self._rms = RunningRms(sample_time)  # residual, rad
 
     def update(self, measured: float, simulated: float) -> bool:
@@ -41,7 +41,6 @@ class ReversedHitchSensor:
             self._products.append(measured * simulated)
             residuals = (abs(wrap(measured - sign * simulated)) for sign in (1.0, -1.0))
             self._rms.add(min(*residuals, _CLIP))
-        full = len(self._products) == self._products.maxlen
         limit = max(_LIMIT, _FACTOR * self._rms.value)
         least = -_SINGLE * len(self._products) * limit**2
-        return full and fmean(max(each, least) for each in self._products) < -(limit**2)
+        return self._products.is_full and fmean(max(each, least) for each in self._products) < -(limit**2)

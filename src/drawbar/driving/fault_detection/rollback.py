@@ -6,9 +6,9 @@ the same measurements are processed again, without the excluded ones. The steeri
 then, so the recomputation uses those, not the ones that it would send itself.
 """
 
-from collections import deque
 from collections.abc import Callable
 
+from drawbar.driving.fault_detection.recent import Recent
 from drawbar.signals import Command, Measurement, Status
 from drawbar.step.autopilot import Autopilot, Memory
 
@@ -22,7 +22,7 @@ class Rollback:
     def __init__(self, autopilot: Autopilot, sample_time: float) -> None:
         """Begin without a sample; `sample_time` in s."""
         self._autopilot = autopilot
-        self._samples = deque[tuple[Memory, Measurement, Command]](maxlen=max(round(SPAN / sample_time), 1))
+        self._samples = Recent[tuple[Memory, Measurement, Command]](SPAN, sample_time)
 
     def feedback(self, measurement: Measurement) -> tuple[Status, Command]:
         """Return the autopilot's answer to a measurement; keep both, and what it remembered before."""

@@ -1,7 +1,8 @@
 """Running RMS of a residual, delayed by a second: a fault that is detected within that time does not raise it."""
 
 import math
-from collections import deque
+
+from drawbar.driving.fault_detection.recent import Recent
 
 MOVES = 0.1
 """speed from which on residuals represent the ground, m/s"""
@@ -9,6 +10,8 @@ TIME_CONSTANT = 30.0
 """s"""
 _DELAY = 1.0
 """s"""
+_CLIP = 2.0
+"""times the value so far, at which `add_clipped` clips a sample"""
 
 
 class RunningRms:
@@ -23,7 +26,7 @@ class RunningRms:
             prior_time: its weight, s.
         """
         self._share, self._weight, self._square = sample_time / TIME_CONSTANT, prior_time / sample_time, prior**2
-        self._newest = deque[float](maxlen=max(round(_DELAY / sample_time), 1))
+        self._newest = Recent[float](_DELAY, sample_time)
 
     @property
     def value(self) -> float:
@@ -33,6 +36,10 @@ class RunningRms:
     def add(self, value: float) -> None:
         """Add a sample."""
         self._newest.append(value)
-        if len(self._newest) == self._newest.maxlen:
+        if self._newest.is_full:
             self._weight += 1.0
             self._square += max(self._share, 1.0 / self._weight) * (self._newest[0] ** 2 - self._square)
+
+    def add_clipped(self, value: float) -> None:
+        """Add a magnitude, clipped by the value so far: a fault that lasts hardly raises it. Needs a prior."""
+        self.add(min(value, _CLIP * self.value))
