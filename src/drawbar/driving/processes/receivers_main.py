@@ -35,6 +35,7 @@ from drawbar.messages import Fixes, Role
 from drawbar.messages.records import encode
 from drawbar.nanoseconds import seconds
 from drawbar.realtime import prepare, say, step_back_when_busy
+from drawbar.transports.base import Transport
 from drawbar.transports.open import open_transport
 
 _BELOW_THE_GATE = 15
@@ -50,26 +51,21 @@ _ASK_AGAIN = 0.05
 def main() -> int:
     """Read the receivers until told to end."""
     options = ProcessOptions.model_validate_json(sys.stdin.buffer.read())
-    configuration = load_configuration(options.configuration)
-    devices = configuration.devices
-    assert devices is not None
-    clock = options.clock
-    lines = open_receivers(devices, options.socket(SENTENCES), clock)
-    sensor_line = open_transport(devices.sensors.transport, clock) if devices.sensors is not None else None
+    configuration, clock = load_configuration(options.configuration), options.clock
+    settings = configuration.devices
+    assert settings is not None
+    lines = open_receivers(settings, options.socket(SENTENCES), clock)
+    sensor_line = open_transport(settings.sensors.transport, clock) if settings.sensors is not None else None
     endpoint = Endpoint(options.socket(RECEIVERS))  # only now: it shows that the process runs
     inputs = InputRecorder(endpoint, options.socket(RECORDER), clock)
-    receivers = [
-        Receiver(inputs.tap(line, device), settings)
-        for line, (device, settings) in zip(lines, receiver_settings(devices).items(), strict=True)
-    ]
-    sensors = None
-    if devices.sensors is not None and sensor_line is not None:
-        sensors = SensorLine(inputs.tap(sensor_line, Device.SENSORS), devices.sensors)
-    navigation = Navigation(receivers, local_frame(configuration), sensors)
+    devices = _Devices(settings, lines, sensor_line, inputs, configuration.sample_time)
+    navigation = Navigation(devices.receivers, local_frame(configuration), devices.sensors)
     heartbeat, shutdown = HeartbeatSender(Role.RECEIVERS, endpoint, options.socket(GATE)), ShutdownRequest()
     show = partial(endpoint.send, options.socket(CONSOLE))
-    corrections = CorrectionsRelay(devices.corrections, receivers, clock, show) if devices.corrections else None
-    of_devices = _news(devices, receivers, sensors, configuration.sample_time)
+    corrections = (
+        CorrectionsRelay(settings.corrections, devices.receivers, clock, show) if settings.corrections else None
+    )
+    longest = _CORRECTIONS if corrections is not None else _ASK_AGAIN
     for word in prepare(max(configuration.safety.timing.priority - _BELOW_THE_GATE, 0)):
         say(f"receivers: {word}")
     step_back_when_busy(_BUSY, "receivers: bytes come faster than they can be read")
@@ -79,19 +75,58 @@ def main() -> int:
         found = navigation.poll(seconds(now))
         inputs.note_look(now, was_due=was_due, found=bool(found))
         _send(found, endpoint, options)
-        for word in chain.from_iterable(device.update() for device in of_devices):
-            say(f"receivers: {word}")
+        devices.tell_news()
         heartbeat.pass_time(now)
         if corrections is not None:
             corrections.update()
-        watched = [*(each.transport for each in receivers), *([sensors.transport] if sensors else [])]
-        descriptors = [each for each in (line.fileno() for line in watched) if each >= 0]
-        longest = _CORRECTIONS if corrections is not None else _ASK_AGAIN
-        clock.wait(descriptors, min(min(navigation.due, seconds(heartbeat.due)) - clock(), longest))
-    for each in (*receivers, corrections, sensors, endpoint):
+        clock.wait(devices.descriptors, min(min(navigation.due, seconds(heartbeat.due)) - clock(), longest))
+    for each in (devices, corrections, endpoint):
         if each is not None:
             each.close()
     return 0
+
+
+class _Devices:
+    """The receivers and, where there is one, the sensor board; what comes from them goes to the recorder too."""
+
+    def __init__(
+        self,
+        settings: DeviceSettings,
+        lines: Sequence[Transport],
+        sensor_line: Transport | None,
+        inputs: InputRecorder,
+        sample_time: float,
+    ) -> None:
+        """Take their open transports; `sample_time` of the controller in s."""
+        self.receivers: list[Receiver] = []
+        self.sensors: SensorLine | None = None
+        self._news: list[LineNews | ReceiverNews] = []
+        if settings.sensors is not None and sensor_line is not None:
+            self.sensors = SensorLine(inputs.tap(sensor_line, Device.SENSORS), settings.sensors)
+            self._news.append(LineNews("sensor board", self.sensors.transport))
+        for line, (device, own) in zip(lines, receiver_settings(settings).items(), strict=True):
+            receiver, name = Receiver(inputs.tap(line, device), own), device.topic.replace("_", " ")
+            self.receivers.append(receiver)
+            self._news += [LineNews(name, receiver.transport), ReceiverNews(name, receiver, sample_time)]
+
+    @property
+    def _all(self) -> list[Receiver | SensorLine]:
+        return [*self.receivers, *([self.sensors] if self.sensors is not None else [])]
+
+    @property
+    def descriptors(self) -> list[int]:
+        """Where bytes come, of those that have a descriptor."""
+        return [each for each in (device.transport.fileno() for device in self._all) if each >= 0]
+
+    def tell_news(self) -> None:
+        """Tell the operator what has changed."""
+        for word in chain.from_iterable(each.update() for each in self._news):
+            say(f"receivers: {word}")
+
+    def close(self) -> None:
+        """Give the transports back."""
+        for each in self._all:
+            each.close()
 
 
 def _send(found: Sequence[Fixes], endpoint: Endpoint, options: ProcessOptions) -> None:
@@ -101,17 +136,6 @@ def _send(found: Sequence[Fixes], endpoint: Endpoint, options: ProcessOptions) -
         for reader in (CONTROLLER, CONSOLE):
             endpoint.send(options.socket(reader), record)
         endpoint.send_queued(options.socket(RECORDER), record)
-
-
-def _news(
-    devices: DeviceSettings, receivers: Sequence[Receiver], sensors: SensorLine | None, sample_time: float
-) -> list[LineNews | ReceiverNews]:
-    """Return what reports to the operator how the devices are."""
-    news: list[LineNews | ReceiverNews] = [] if sensors is None else [LineNews("sensor board", sensors.transport)]
-    for device, receiver in zip(receiver_settings(devices), receivers, strict=True):
-        name = device.topic.replace("_", " ")
-        news += [LineNews(name, receiver.transport), ReceiverNews(name, receiver, sample_time)]
-    return news
 
 
 if __name__ == "__main__":
