@@ -27,7 +27,8 @@ def check(
         bool, typer.Option("--wiggle", help="then move each steering by 2° to both sides; asks twice before")
     ] = False,
     store: Annotated[
-        bool, typer.Option("--store", help="write devices.*_board.memory to AgOpenGPS boards first; asks twice before")
+        bool,
+        typer.Option("--store", help="write the configured memory to AgOpenGPS boards first; asks twice before"),
     ] = False,
 ) -> None:
     """Listen to every configured device, and print what is missing. Without --wiggle nothing is moved.

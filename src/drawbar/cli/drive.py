@@ -50,7 +50,7 @@ Remember = Annotated[
     bool,
     typer.Option(
         "--remember",
-        help="afterwards write dead time, lag and rate of the steerings to NAME.calibrated.toml, for the next drive",
+        help="keep dead time, lag and rate of the steerings for the next drive, in the calibrated file",
     ),
 ]
 Live = Annotated[bool, typer.Option("--live", help="show the log while it grows, to Foxglove on this computer")]

@@ -20,7 +20,7 @@ def export(
         Precision,
         typer.Option(help="of the library's numbers; single: float, for a processor with a unit for these alone"),
     ] = Precision.DOUBLE,
-    changes: Annotated[list[str] | None, changing("controller.horizon=10")] = None,
+    changes: Annotated[list[str] | None, changing("speed=0.8")] = None,
 ) -> None:
     """Write the controller as a C library that needs neither Python nor an operating system."""
     machines = [find_target(name) for name in targets or []]

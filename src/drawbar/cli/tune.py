@@ -10,12 +10,10 @@ from drawbar.cli.options import Cluster, ConfigurationName, Jobs, changing, cons
 
 def tune(
     configuration: ConfigurationName,
-    more: Annotated[list[str] | None, typer.Argument(metavar="KEY=LOW..HIGH", help="more of --parameters")] = None,
+    more: Annotated[list[str] | None, typer.Argument(metavar="RANGES", help="more of --parameters")] = None,
     parameters: Annotated[
         list[str] | None,
-        typer.Option(
-            metavar="KEY=LOW..HIGH", help="what is searched, e.g. guidance.look_ahead=0.4..3.0; :log behind it"
-        ),
+        typer.Option(metavar="KEY=LOW..HIGH", help="what is searched; on a logarithmic scale with :log behind it"),
     ] = None,
     trials: Annotated[int, typer.Option(min=1, help="in all; the configuration's own values are the first")] = 64,
     changes: Annotated[list[str] | None, changing("tuning.seeds=10")] = None,
