@@ -19,6 +19,7 @@ from drawbar.recording.drive_log import DriveLog
 from drawbar.recording.drive_records import RawBytes
 from drawbar.recording.header import run_header
 from drawbar.recording.live import Live
+from drawbar.recording.message_layout import message_reader, message_schema
 from drawbar.recording.scene import Scene
 from drawbar.simulation import Simulation, build_path
 from drawbar.transports.tapped import Direction
@@ -91,7 +92,7 @@ def test_a_viewer_is_told_what_the_file_holds(live, tmp_path):
             log.add_message(command(sequence))
             viewer.join(0.02)
     channels, data = found[0]
-    assert json.loads(data)["tractor_angle"] == 0.1
+    assert message_reader(message_schema(CommandMessage))(data)["tractor_angle"] == 0.1
     with (tmp_path / "log.mcap").open("rb") as stream:
         summary = make_reader(stream).get_summary()
     with_schema = [channel for channel in summary.channels.values() if channel.schema_id]

@@ -121,7 +121,7 @@ def test_later_steps_leave_a_record_alone(build):
     np.testing.assert_array_equal(first.reference.tractor.closest, closest)
 
 
-def test_predictions_are_rounded_to_an_eighth_of_a_millimetre_and_nothing_else(build):
+def test_predictions_are_rounded_to_a_millimetre_and_what_is_commanded_measured_or_estimated_is_not(build):
     simulation = build("articulated")
     with closing(simulation.steps()) as steps:
         record = [next(steps) for _ in range(20)][-1]
@@ -129,8 +129,11 @@ def test_predictions_are_rounded_to_an_eighth_of_a_millimetre_and_nothing_else(b
             component, plan = simulation.autopilot.library.components[body].live, getattr(record.plan, body)
             for name in ("poses", "steerings"):
                 exact = component.array(f"subsystem.{name}")
-                np.testing.assert_array_equal(getattr(plan, name), np.rint(exact * 8192.0) / 8192.0)
-            np.testing.assert_array_equal(plan.deviation, component.array("subsystem.deviation"))
+                np.testing.assert_array_equal(getattr(plan, name), np.rint(exact * 1024.0) / 1024.0)
+            exact = component.array("subsystem.deviation")
+            np.testing.assert_array_equal(plan.deviation, np.rint(exact * 2.0**20) / 2.0**20)
+            progress = getattr(record.reference, body).progress
+            assert progress == round(progress * 2.0**20) / 2.0**20 != round(progress, 3)
     for place in ("estimate.tractor.x", "command.tractor_steering", "tractor_steering.nominal", "truth.trailer.yaw"):
         value = attrgetter(place)(record)
         assert value != round(value, 4)

@@ -5,11 +5,13 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
+from struct import error as StructError  # noqa: N812 -- a class
 
 import msgspec
 
 from drawbar.errors import DrawbarError
 from drawbar.messages import Action, SupervisorState
+from drawbar.recording.encoding import decode_message
 from drawbar.recording.frames import DamagedLogError
 from drawbar.recording.stream import LoggedMessage, read_records
 from drawbar.safety.causes import BY_CODE, Cause
@@ -102,7 +104,7 @@ class _Gate(msgspec.Struct):
 class _Wish(msgspec.Struct):
     action: int
     nonce: int
-    value: float | None = math.nan
+    value: float = math.nan
 
 
 class _Controller(msgspec.Struct):
@@ -135,19 +137,18 @@ def drive_events(log: Path, *, is_on: bool = False) -> list[DriveEvent]:
             # a state of the gate may have been recorded behind a newer one
             ordered = sorted(_relevant(messages), key=lambda pair: pair[0])
         return list(_without_repetitions(_events(ordered, is_on=is_on)))
-    except (OSError, DamagedLogError, ValueError) as error:  # what is no message of these, too
+    except (OSError, DamagedLogError, ValueError, StructError) as error:  # what is no message of these, too
         raise DrawbarError(f"{log}: cannot be read ({error})") from error
 
 
 def _relevant(messages: Iterator[LoggedMessage]) -> Iterator[tuple[float, _Message]]:
     """Yield the messages that events are made of, each with its time, and the time of the last message of any kind."""
-    decoders = {topic: msgspec.json.Decoder(kind) for topic, kind in _KINDS.items()}
     end = 0.0
     for message in messages:
         time = message.publish_time * 1e-9
         end = max(end, time)
-        if message.topic in decoders:
-            yield time, decoders[message.topic].decode(message.data)
+        if message.topic in _KINDS:
+            yield time, msgspec.convert(decode_message(message), _KINDS[message.topic])
     yield end, None
 
 
@@ -191,7 +192,7 @@ class _Drive:
         if action is Action.PRESENT or message.nonce in self._asked:
             return
         self._asked.add(message.nonce)
-        yield Asked(time=time, action=action, value=math.nan if message.value is None else message.value)
+        yield Asked(time=time, action=action, value=message.value)
 
 
 def _events(ordered: Iterable[tuple[float, _Message]], *, is_on: bool) -> Iterator[DriveEvent]:

@@ -5,7 +5,7 @@
 | `/step` | every control step, as in any log |
 | `/raw` | bytes as they went over the devices' wires, with their times: `drive_records.py` |
 | `/order` | in which order each process took in what it did: `drive_records.py` |
-| `/fixes`, `/command`, `/controller`, `/gate`, `/operator` | records of `messages.py`, as JSON |
+| `/fixes`, `/command`, `/controller`, `/gate`, `/operator` | messages between the processes: `message_layout.py` |
 | `/events` | what happened, in words (foxglove.Log) |
 | `/tractor/fix`, `/trailer/fix`, `/tf`, `/path`, `/bodies`, `/plan` | map and scene (foxglove.*): `scene.py` |
 """
@@ -30,15 +30,14 @@ from drawbar.recording.drive_records import (
     Happening,
     Order,
     RawBytes,
-    pack_message,
     pack_order,
     pack_raw,
 )
 from drawbar.recording.live import Live
 from drawbar.recording.log import STEP_TOPIC, Outcome, RunHeader
+from drawbar.recording.message_layout import message_schema, pack_message
 from drawbar.recording.recorder import CDR, DEFINITION, STEP_NAME, Recorder
 from drawbar.recording.scene import Scene
-from drawbar.recording.schema import json_schema
 from drawbar.safety.causes import BY_CODE, Cause
 from drawbar.safety.engagement import LATCHED
 from drawbar.signals import Status, StepRecord
@@ -46,14 +45,12 @@ from drawbar.step.layout import HEAD, packed, step_schema
 from drawbar.transports.clock import MachineClock
 
 _REAL_TIME = MachineClock()
-_REAL_TIME_LEVEL = 19
-"""of the compression: a fifth less than at level 1, for some ms of each step in a process of its own"""
+REAL_TIME_LEVEL = 19
+"""of the compression: a fifth less than at level 1 (benchmark/log_channels.py), in a process of its own"""
 _STATES = 1000
 """of the gate that are known by their sequence"""
 _AGAIN = 10
 """steps after which what does not change is shown again, live"""
-_JSON = "jsonschema"
-"""how schemas of JSON are written"""
 _LEVELS = {"info": LogLevel.Info, "warning": LogLevel.Warning, "error": LogLevel.Error}
 
 
@@ -83,7 +80,7 @@ class DriveLog(Recorder):
         Raises:
             DrawbarError: the file cannot be created.
         """
-        super().__init__(file, header, level=_REAL_TIME_LEVEL if clock.pace == 1 else LEVEL)
+        super().__init__(file, header, level=REAL_TIME_LEVEL if clock.pace == 1 else LEVEL)
         self._scene, self._live, self._offset = scene, live, time.time_ns() - clock.nanoseconds()
         self._clock, self.flushed = clock, clock.nanoseconds()
         """when all that was added was handed to the operating system the last time, monotonic, ns"""
@@ -201,8 +198,8 @@ class DriveLog(Recorder):
             if message.cause != Cause.ENDED.value:  # the end itself hides what was before
                 self._state = message
         if topic not in self._channels:
-            data = json_schema(type(message))
-            self._open(topic, "json", Schema(name=f"drawbar.{type(message).__name__}", encoding=_JSON, data=data))
+            name, data = f"drawbar/msg/{type(message).__name__}", message_schema(type(message)).encode()
+            self._open(topic, CDR, Schema(name=name, encoding=DEFINITION, data=data))
         self._add(topic, pack_message(message), message.time + self._offset)
 
     def add_event(self, moment: int, level: str, name: str, text: str) -> None:

@@ -3,17 +3,16 @@
 import struct
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from enum import IntEnum
 from pathlib import Path
-from typing import Any
 
 import msgspec
 from mcap.records import Metadata
 
 from drawbar.errors import DrawbarError
 from drawbar.messages import CommandMessage, ControllerState, Fixes, GateState, Message, OperatorMessage
-from drawbar.recording.encoding import decode_step, missing_to_nan
+from drawbar.recording.encoding import decode_message, decode_step
 from drawbar.recording.frames import Damage
 from drawbar.recording.log import OUTCOME_NAME, STEP_TOPIC, Outcome, outcome_of, reading
 from drawbar.recording.stream import Logged, LoggedMessage
@@ -122,11 +121,6 @@ def unpack_order(data: bytes) -> Order:
     return Order(tuple(Happening(kind=Kind(kind), sequence=count, time=time) for kind, count, time in entries))
 
 
-def pack_message(message: Message) -> bytes:
-    """Return a record of one of the processes as JSON."""
-    return msgspec.json.encode(asdict(message))
-
-
 @contextmanager
 def open_drive(file: Path) -> Iterator[Iterator[DriveRecord]]:
     """Read the records of a drive's log as a context; those of a kind in the order in which they were written.
@@ -172,5 +166,4 @@ def _decoded(message: LoggedMessage) -> Iterator[DriveRecord]:
     elif topic == RAW:
         yield from unpack_raw(data)
     elif topic in _KINDS:
-        content: Any = missing_to_nan(msgspec.json.decode(data))
-        yield msgspec.convert(content, _KINDS[topic])
+        yield msgspec.convert(decode_message(message), _KINDS[topic])

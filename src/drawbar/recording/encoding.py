@@ -1,4 +1,7 @@
-"""Encoding of what a log holds: header, and steps of older logs, as JSON; all other steps as CDR (step/layout.py)."""
+"""Encoding of what a log holds: the header, and steps and messages of older logs, as JSON; all others as CDR.
+
+Layouts: step/layout.py, message_layout.py.
+"""
 
 from collections.abc import Callable
 from functools import cache
@@ -8,6 +11,7 @@ import msgspec
 import numpy as np
 from pydantic import BaseModel
 
+from drawbar.recording.message_layout import message_reader
 from drawbar.recording.stream import LoggedMessage
 from drawbar.signals import StepRecord
 from drawbar.step.layout import StepLayout
@@ -48,6 +52,14 @@ def decode_step(message: LoggedMessage) -> StepRecord:
     return _step_reader(message.schema)(message.data)
 
 
+def decode_message(message: LoggedMessage) -> dict[str, Any]:
+    """Return the fields of a message of one of the processes. Raises ValueError or struct.error: it is none."""
+    if is_json(message.schema):
+        content: dict[str, Any] = missing_to_nan(msgspec.json.decode(message.data))
+        return content
+    return message_reader(message.schema)(message.data)
+
+
 @cache
 def _step_reader(schema: str) -> Callable[[bytes], StepRecord]:
     """Return what reads the steps of a channel with this schema."""
@@ -59,7 +71,7 @@ def _step_reader(schema: str) -> Callable[[bytes], StepRecord]:
 
 
 def is_json(schema: str) -> bool:
-    """Return whether steps are JSON, by their schema: those of logs by older drawbars."""
+    """Return whether steps or messages are JSON, by their schema: those of logs by older drawbars."""
     return schema.startswith("{") or not schema
 
 

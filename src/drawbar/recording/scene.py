@@ -43,7 +43,7 @@ _TOOL = 0.15
 """of the line to a point of `vehicle.tracked`, m"""
 _GRID = 1024.0
 """places in a metre: what is drawn to a millimetre has short mantissas, and compresses"""
-_PLAN_GRID, _TURNS = 256.0, 2.0**20
+_PLAN_GRID, _TURNS = 64.0, 2.0**16
 """places of a plan in a metre, and of a quaternion's numbers in one, likewise"""
 _TUBE = 0.2
 """opacity of a tube"""

@@ -6,7 +6,9 @@
 #include "components.h"
 
 #define DEVIATIONS_RECORDED 4
-#define PREDICTED 8192.0                   /* places in a metre or radian that predictions are recorded to */
+#define PREDICTED 1024.0                   /* places in a metre or radian that predictions are recorded to */
+#define DERIVED 0x1p20                     /* places in a metre, radian or second that references, deviations from a nominal
+                                            * state, margins and what is identified are recorded to */
 #define TIMES_RECORDED 0x1p30              /* places in a second that the solvers' times are */
 
 struct recorded_place {
@@ -54,6 +56,12 @@ static double on_grid(double value, double places)
     return rint(value * places) / places;
 }
 
+static void to_derived(double *values, size_t bytes)
+{
+    for (size_t i = 0; i < bytes / sizeof *values; ++i)
+        values[i] = on_grid(values[i], DERIVED);
+}
+
 static void record_prediction(float *recorded, const double *made, size_t bytes)
 {
     for (size_t i = 0; i < bytes / sizeof *recorded; ++i)
@@ -74,6 +82,7 @@ static void record_place(const struct autopilot *a, int i, struct recorded_place
     memcpy(place->closest, made->closest, sizeof place->closest);
     drawbar_path_sample(&a->path, made->progress, beside);
     memcpy(place->line, beside, sizeof place->line);
+    to_derived((double *)place, sizeof *place);
 }
 
 static void record_plan(const struct autopilot *a, int i, struct recorded_plan *plan)
@@ -87,6 +96,7 @@ static void record_plan(const struct autopilot *a, int i, struct recorded_plan *
     unknown(plan->deviation, sizeof plan->deviation);
     if (made->deviations > 0)
         memcpy(plan->deviation, made->deviation, (size_t)made->deviations * sizeof *made->deviation);
+    to_derived(plan->deviation, sizeof plan->deviation);
     record_prediction(&plan->poses[0][0], made->poses != NULL ? &made->poses[0][0] : NULL, sizeof plan->poses);
     record_prediction(plan->steerings, made->steerings, sizeof plan->steerings);
 }
@@ -94,6 +104,7 @@ static void record_plan(const struct autopilot *a, int i, struct recorded_plan *
 static void record_steering(const struct autopilot *a, int i, struct drawbar_body_steering *steering)
 {
     *steering = a->made.steerings[i];
+    steering->margin = on_grid(steering->margin, DERIVED);
     if (a->reached < WITH_PLANS) {
         unknown(&steering->nominal, offsetof(struct drawbar_body_steering, saturated));
         steering->saturated = 0;
@@ -125,6 +136,7 @@ DRAWBAR_API int drawbar_get_record(const struct drawbar_state *state, struct dra
     for (int i = 0; i < 3 * 2; ++i)
         record->times[i / 2][i % 2] = on_grid(a->times[i / 2][i % 2], TIMES_RECORDED);
     record->actuation = a->known;
+    to_derived((double *)&record->actuation, sizeof record->actuation);
     record->solver_failures = solver_failures(record, a->diagnostics.estimator);
     record->gate = a->diagnostics.gate;
     record->status = a->diagnostics.status;

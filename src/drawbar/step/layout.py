@@ -24,7 +24,7 @@ from drawbar.signals.layout import Members, base_of, members_of, note_of
 
 _DEVIATIONS = 4
 """numbers for which there is room where fewer may be known: DEVIATIONS_RECORDED"""
-_CODES = {"float64": "d", "float32": "f", "int32": "i"}
+_CODES = {"float64": "d", "float32": "f", "int32": "i", "uint8": "B", "uint16": "H", "uint32": "I", "uint64": "Q"}
 HEAD = b"\0\1\0\0"
 """of each message, before the step's own bytes: it is CDR, and the smallest byte of a number comes first"""
 _RULE = "=" * 80
@@ -47,6 +47,11 @@ def step_schema(stages: int) -> str:
     """Return the definition of a step whose plans have so many stages, as a ROS 2 message."""
     texts: dict[Any, str] = {}
     _describe(StepRecord, stages, texts)
+    return sections(texts)
+
+
+def sections(texts: dict[Any, str]) -> str:
+    """Return a message's definition, the last of these by class, with those that it consists of behind it."""
     first, *others = reversed(texts.items())
     return "".join([first[1], *(f"{_RULE}\nMSG: {_PACKAGE}{kind.__name__}\n{text}" for kind, text in others)])
 
@@ -81,7 +86,7 @@ def _array(array: Array, stages: int) -> str:
     return f"float32[{rows * max(1, array.columns)}]"
 
 
-def _cells(schema: str) -> dict[str, Cell]:
+def cells_of(schema: str) -> dict[str, Cell]:
     """Return where a definition puts each number, by dotted names. Raises ValueError: it is none."""
     definitions = {}
     for section in f"MSG: \n{schema}".split(f"{_RULE}\n"):
@@ -111,7 +116,7 @@ class StepLayout:
 
     def __init__(self, schema: str) -> None:
         """Read a schema. Raises ValueError or KeyError: it is none of a step."""
-        self.cells = _cells(schema)
+        self.cells = cells_of(schema)
         last = max(self.cells.values(), key=lambda cell: cell.offset)
         self.size = -(-(last.offset + calcsize(last.code) * max(1, last.length)) // 8) * 8
         """bytes of a step"""

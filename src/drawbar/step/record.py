@@ -1,7 +1,8 @@
 """The record of a step: one copy of C's struct drawbar_record, read into signals.
 
-Predictions (planned poses and steerings) are recorded in single precision and to 1/8192 m or rad, the solvers' times to
-2^-30 s (hosted_step.h); nothing that is commanded, measured or estimated is rounded.
+Predictions (planned poses and steerings) are recorded in single precision and to 1/1024 m or rad, references,
+deviations from the nominal state, margins and what is identified to 2^-20 m, rad or s, the solvers' times to 2^-30 s
+(hosted_step.h); nothing that is commanded, measured or estimated is rounded.
 """
 
 import math

@@ -34,6 +34,7 @@ class ControlLoop:
         record: Callable[[StepRecord], None],
         clock: Callable[[], int],
         tell: Callable[[Kind, int], None] = lambda kind, sequence: None,
+        send_again: Callable[[CommandMessage], None] | None = None,
     ) -> None:
         """Take the parts.
 
@@ -44,9 +45,11 @@ class ControlLoop:
             record: takes the record of each step; called when the command is out.
             clock: monotonic time, ns.
             tell: takes what is done, and the sequence of the record that it is done about, before it is done.
+            send_again: hands the gate the newest command once more; None: as `send` does.
         """
         self._controller, self._sampler = controller, sampler
         self._send, self._record, self._clock, self._tell = send, record, clock, tell
+        self._send_again = send_again or send
         self._repeat = _NEVER
         self._corrected = [math.nan] * controller.receivers  # when the corrections of each were made, s
         self._receiver_speed = math.nan
@@ -95,7 +98,7 @@ class ControlLoop:
         """Repeat the command."""
         self._tell(Kind.REPEAT, 0)
         self._repeat = now + REPEAT
-        self._send(self._controller.repeat(now))
+        self._send_again(self._controller.repeat(now))
 
     def _step(self, measurement: Measurement, complete: int | None) -> None:
         command: CommandMessage = self._controller.feedback(measurement, self._clock())

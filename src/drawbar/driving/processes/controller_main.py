@@ -18,7 +18,7 @@ from drawbar.driving.messaging.process_options import CONSOLE, CONTROLLER, FRONT
 from drawbar.driving.preparation.wiggle_record import has_passed
 from drawbar.driving.processes.shutdown import ShutdownRequest, run_program
 from drawbar.machine.hardware.sampler import Sampler
-from drawbar.messages import ControllerState, Fixes, GateState, Message, Role
+from drawbar.messages import CommandMessage, ControllerState, Fixes, GateState, Message, Role
 from drawbar.messages.records import decode, encode
 from drawbar.realtime import prepare, say
 from drawbar.recording.drive_records import Happening, Kind, Order
@@ -52,6 +52,7 @@ def main() -> int:
         record=lambda record: outputs.record_step(record, controller.uncertainty.parameters),
         clock=clock.nanoseconds,
         tell=outputs.note,
+        send_again=outputs.send_again,
     )
     for word in prepare(max(configuration.safety.timing.priority - 10, 0)):
         say(f"controller: {word}")
@@ -98,21 +99,35 @@ class Outputs:
         self._displays = (options.socket(FRONT_END), self._console)
         self._clock = options.clock
         self._done: list[Happening] = []
+        self._recorded: CommandMessage | None = None
+        """the newest command in the log"""
         self.gate_is_gone = False
 
     def send(self, message: Message) -> None:
-        """Send a message to the gate."""
+        """Send a message to the gate, and have it recorded."""
         record = encode(message)
+        self._send_to_gate(record)
+        self._endpoint.send_queued(self._recorder, record)
+        if isinstance(message, CommandMessage):
+            self._recorded = message
+        if isinstance(message, ControllerState):
+            for place in self._displays:
+                self._endpoint.send(place, record)
+
+    def send_again(self, command: CommandMessage) -> None:
+        """Send the newest command to the gate again; it is recorded where it asks for something else than before."""
+        if self._recorded is None or not command.repeats(self._recorded):
+            self.send(command)
+        else:
+            self._send_to_gate(encode(command))
+
+    def _send_to_gate(self, record: bytes) -> None:
         try:
             self._gate.send(record)
         except BlockingIOError:
             self._endpoint.lost += 1
         except OSError:
             self.gate_is_gone = True
-        self._endpoint.send_queued(self._recorder, record)
-        if isinstance(message, ControllerState):
-            for place in self._displays:
-                self._endpoint.send(place, record)
 
     def note(self, kind: Kind, sequence: int) -> None:
         """Note what is done now; it is sent to the recorder with the next step, or soon."""
