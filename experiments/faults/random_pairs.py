@@ -76,7 +76,8 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     asked = parser.parse_args()
     document = tomllib.loads((FOLDER / "experiment.toml").read_text("utf-8"))
-    single = {each["name"]: each["alteration"] for each in document["variants"] if "alteration" in each}
+    everywhere = [each for each in document["variants"] if "alteration" in each and not each.get("only_named")]
+    single = {each["name"]: each["alteration"] for each in everywhere}
     names = [name for name in single if not name.startswith(("two faults", "S29"))]  # S29 needs a place of its own
     rows, beyond, again = [], 0, 0
     for k in range(asked.count):

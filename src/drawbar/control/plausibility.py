@@ -1,7 +1,6 @@
 """Plausibility of a controller's settings: whether samples come often enough, and how soon an error is corrected.
 
-A vehicle that drives nearly its wheelbase from one sample to the next turns too far before anything corrects it: of
-random machines that did, none kept within 15 cm of its line.
+A vehicle that drives nearly its wheelbase from one sample to the next turns too far before anything corrects it.
 
 How soon an error is corrected follows from the weights alone.
 
