@@ -169,6 +169,18 @@ def test_a_sensor_that_is_late_itself_is_reckoned_with_as_far_as_it_is_sure() ->
     assert -0.22 <= sensor.latency <= -0.14
 
 
+def test_a_lasting_curve_does_not_drive_the_lateness_of_a_sensor_on() -> None:
+    sensor, yaw, before = Sensor(), 0.0, 0.0
+    for k in range(400):
+        rate = 0.06 * math.sin(0.9 * k * SAMPLE) if k < 60 else 0.25
+        yaw += 0.5 * (rate + before) * SAMPLE
+        before = rate
+        # a rate that changes no more is the same at any age; the fixes seem to lead by 0.15 s
+        sensor.judged(rate, rate, yaw + 0.15 * rate)
+    assert sensor.found[2] == pytest.approx(-0.15, abs=0.01)
+    assert -0.15 <= sensor.latency <= -0.08
+
+
 def test_a_sensor_that_is_missing_at_every_third_sample_shows_no_latency_that_is_not_there() -> None:
     sensor, true = Sensor(), rates(1200)
     for k, yaw in enumerate(late_yaws(1200, 0.2).tolist()):

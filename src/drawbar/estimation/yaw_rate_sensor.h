@@ -138,13 +138,16 @@ static inline void yaw_rate_compare(struct yaw_rate_sensor *sensor, const struct
     sensor->state[SCALE] = clipped(sensor->state[SCALE], MOST_SCALE);
 }
 
-/* Move the corrected latency towards the estimate less its standard deviation. */
-static inline void yaw_rate_apply_latency(struct yaw_rate_sensor *sensor, double elapsed)
+/* Move the corrected latency towards the estimate less its standard deviation. A later sensor's integral is ahead by the turn in
+ * that time from now on: what brings its rates up (rate_history.h) adds only what they change by, and a curve that lasts changes
+ * nothing. turning: see yaw_reference, rad/s. */
+static inline void yaw_rate_apply_latency(struct yaw_rate_sensor *sensor, double turning, double elapsed)
 {
-    const double state = sensor->state[LATENCY];
+    const double state = sensor->state[LATENCY], before = fmin(sensor->latency, 0.0);
     const double significant = state - clipped(state, sqrt(sensor->covariance[LATENCY][LATENCY]));
 
     sensor->latency += clipped(clipped(significant, MOST_LATENCY) - sensor->latency, LATENCY_RATE * elapsed);
+    sensor->integral += (before - fmin(sensor->latency, 0.0)) * turning;
 }
 
 /* Whether the sensor agrees with the wheels, judged once the vehicle has turned enough. */
@@ -213,7 +216,7 @@ static inline double yaw_rate_judged(struct yaw_rate_sensor *sensor, double meas
     const int agrees = known && yaw_rate_agrees(sensor, corrected, wheels, elapsed);
     if (!agrees || deviates || sensor->exclusion > 0.0)
         return (double)NAN;
-    yaw_rate_apply_latency(sensor, elapsed);
+    yaw_rate_apply_latency(sensor, reference->turning, elapsed);
     return corrected;
 }
 
