@@ -17,8 +17,8 @@ from drawbar.geometry import wrap
 _SPAN = 1.0
 """over which the difference is averaged, s"""
 _FACTOR, _LEAST = 5.5, math.radians(1.0)
-"""root mean squares of the mean difference that are a contradiction, and the least that one counts, rad: the largest of
-210 runs without a fault, on flat, rough, sloping and soft ground at 0.5 to 3 m/s, is 4.7"""
+"""root mean squares of the mean difference that are a contradiction, and the least that one counts, rad: without a
+fault it comes to 0.9 of that (experiments/faults/ordinary.py)"""
 _PRIOR, _PRIOR_TIME = math.radians(1.6), 5.0
 """prior root mean square and its weight: rad, s"""
 _TURNING = math.radians(3.3)
@@ -41,9 +41,12 @@ class ContradictingAngles:
         """Begin without a sample; `sample_time` in s."""
         self._differences = Recent[float](_SPAN, sample_time)  # rad
         self._rms = RunningRms(sample_time, prior=_PRIOR, prior_time=_PRIOR_TIME)  # of their mean, rad
+        self.share = 0.0
+        """the mean, of what is a contradiction"""
 
     def update(self, measured: float, simulated: float, turning_error: float) -> Contradiction:
         """Update with both hitch angles and the turning error, rad, NaN: unknown; return what contradicts."""
+        self.share = 0.0
         if not math.isfinite(simulated):
             self._differences.clear()
             return Contradiction.NONE
@@ -53,6 +56,7 @@ class ContradictingAngles:
             return Contradiction.NONE
         mean, rms = abs(fmean(self._differences)), self._rms.value
         self._rms.add_clipped(mean)
-        if not mean > _FACTOR * max(rms, _LEAST):
+        self.share = mean / (_FACTOR * max(rms, _LEAST))
+        if not self.share > 1.0:
             return Contradiction.NONE
         return Contradiction.FRONT_WHEELS if abs(turning_error) > _TURNING else Contradiction.TRAILER

@@ -17,6 +17,7 @@ joint is held at its measured angle (driving/loop/controller.py).
 import math
 from dataclasses import replace
 from statistics import fmean
+from typing import NamedTuple
 
 from drawbar.driving.fault_detection.confirmation import CONFIRMED
 from drawbar.driving.fault_detection.contradicting_angles import ContradictingAngles, Contradiction
@@ -44,6 +45,19 @@ _ASIDE, _LEAST = 3.0, 0.04
 """root mean squares of it, and m at least, beyond which the antenna is contradicted"""
 _SHARE = 0.65
 """of the limit above, where an antenna is contradicted as well"""
+
+
+class Shares(NamedTuple):
+    """What each detector of wrong angles sees, as a share of what is a contradiction."""
+
+    residuals: float = 0.0
+    """of hitch and joint"""
+    reversed: float = 0.0
+    """of a hitch sensor that is"""
+    angles: float = 0.0
+    """to which wheels and joint lead"""
+    turning: float = 0.0
+    """of the tractor, beside its front wheels"""
 
 
 class _AntennaResidual:
@@ -76,6 +90,8 @@ class FaultExclusion:
         self._reversed = ReversedHitchSensor(sample_time)
         self._stuck = StuckHitchSensor(settings.hitch)
         self._angles, self._turning = ContradictingAngles(sample_time), TurningError(vehicle.wheelbase, sample_time)
+        self.shares = Shares()
+        """at the last sample"""
         self.steering_contradicts = False
         """the tractor does not turn as its front wheels are measured"""
         self._residuals = Recent[tuple[float, float]](_MEAN_TIME, sample_time, least=CONFIRMED)
@@ -113,7 +129,8 @@ class FaultExclusion:
         self._residuals.append((hitch, joint))
         moves = abs(record.measurement.speed) >= MOVES
         limit = _SHARE if self._antenna_contradicts(record, moves=moves) else 1.0
-        contradicted = self._angles_share(moves=moves) > limit
+        share = self._angles_share(moves=moves)
+        contradicted = share > limit
         measured, simulated = record.measurement.hitch_angle, self._simulated.update(record)
         contradicted |= self._reversed.update(measured, simulated)
         contradiction = self._angles.update(measured, simulated, self._turning.update(record))
@@ -124,6 +141,7 @@ class FaultExclusion:
         contradicted |= self._stuck.update(measured, record.estimate.hitch_angle, simulated, moves=moves)
         if not (engaged and self.excludes_trailer):
             self._trailer = CONFIRMED if contradicted else self._trailer + 1 if abs(hitch) > self._hitch_limit else 0
+        self.shares = Shares(share / limit, self._reversed.share, self._angles.share, self._turning.share)
         self._moved = moved or (engaged and self._moved)
         if self._moved:
             self._positions = CONFIRMED

@@ -31,9 +31,12 @@ class ReversedHitchSensor:
         """Begin without a sample; `sample_time` in s."""
         self._products = Recent[float](_SPAN, sample_time)  # measured times simulated, rad²
         self._rms = RunningRms(sample_time)  # residual, rad
+        self.share = 0.0
+        """the root of a quarter of the difference, of what is a reversed sensor"""
 
     def update(self, measured: float, simulated: float) -> bool:
         """Update with both angles, rad, NaN: unknown; return whether the sensor is reversed."""
+        self.share = 0.0
         if not math.isfinite(simulated):
             self._products.clear()
             return False
@@ -41,6 +44,10 @@ class ReversedHitchSensor:
             self._products.append(measured * simulated)
             residuals = (abs(wrap(measured - sign * simulated)) for sign in (1.0, -1.0))
             self._rms.add(min(*residuals, _CLIP))
+        if not self._products.is_full:
+            return False
         limit = max(_LIMIT, _FACTOR * self._rms.value)
         least = -_SINGLE * len(self._products) * limit**2
-        return self._products.is_full and fmean(max(each, least) for each in self._products) < -(limit**2)
+        mean = fmean(max(each, least) for each in self._products)
+        self.share = math.sqrt(max(-mean, 0.0)) / limit
+        return self.share > 1.0
