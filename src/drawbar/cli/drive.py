@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from drawbar.cli.drive_choices import chosen_track, configured, demand_real_time, demand_what_is_remembered
 from drawbar.cli.options import ConfigurationName, Pace, changing, compiling, console, line_changes, written
 from drawbar.cli.pages import Pages, address, free_port, takes_pages
 from drawbar.configurations import CONFIGURATION_NAME
 
 LOCAL = "127.0.0.1"
-_NEAREST = "nearest"
-"""--track: the line at which the vehicle stands"""
 NO_KEYS = "standard input is no terminal: no key is read; use a terminal, or --console"
 _NOT_THERE = (
     "{folder}: the log is not there any more: the folder was moved or removed, or its disk unmounted, during the "
@@ -90,14 +89,14 @@ def drive(
     options = None
     if with_console:
         require_extra("drawbar drive --console", "machine", "console")
-        _demand_real_time(pace)
+        demand_real_time(pace)
         options = pages.options(folder="", configuration="", runs=str(out.parent if out else "runs"))
     require_extra("drawbar drive", "machine")
     if remember:
-        _demand_what_is_remembered(configuration, changes or [], shadow=shadow)
+        demand_what_is_remembered(configuration, changes or [], shadow=shadow)
     given = [*line_changes(path, ""), *(changes or [])]
-    changes = [*line_changes(None, _chosen_track(configuration, track, given)), *given]
-    config, stand_ins = _configured(configuration, changes, pace)
+    changes = [*line_changes(None, chosen_track(configuration, track, given)), *given]
+    config, stand_ins = configured(configuration, changes, pace)
     shown = _shown_at(live_port) if live else None
     folder = _new_folder(out, config)
     with _removed_unless_done(folder):
@@ -113,77 +112,6 @@ def drive(
             keep_steerings(FilePath(configuration), folder / LOG_NAME)
     if failed:
         raise SystemExit(1)
-
-
-def _demand_real_time(pace: int) -> None:
-    """Raise ConfigurationError where the console would show a drive at another pace."""
-    from drawbar.errors import ConfigurationError
-
-    if pace != 1:
-        raise ConfigurationError(f"--console shows a drive in real time; leave out --pace {pace}, or --console")
-
-
-def _demand_what_is_remembered(configuration: str, changes: list[str], *, shadow: bool) -> None:
-    """Raise ConfigurationError where a drive shows nothing of the machine's steerings, or that cannot be written."""
-    from drawbar.config import load_configuration
-    from drawbar.driving.devices.pace import shown_pace
-    from drawbar.errors import ConfigurationError
-
-    if shadow:
-        raise ConfigurationError("--remember keeps what steering shows, --shadow steers nothing; leave out one of them")
-    if not FilePath(configuration).is_file():
-        raise ConfigurationError(
-            f"--remember writes beside a configuration's file, {configuration} is none; give a file, or leave out "
-            "--remember"
-        )
-    devices = load_configuration(configuration, changes).devices
-    if devices is None or shown_pace(devices) is not None:
-        which = "[devices] are not configured" if devices is None else "`drawbar stand-in` runs at these devices"
-        raise ConfigurationError(
-            f"--remember keeps how the steerings of your machine move, and stand-ins would be driven: {which}; leave "
-            "out --remember, or drive the machine"
-        )
-
-
-def _chosen_track(name: str, track: str, changes: list[str]) -> str:
-    """Return the name of the line that --track means."""
-    from drawbar.config import load_configuration
-    from drawbar.driving.preparation.nearest_line import nearest_track, standing
-    from drawbar.errors import ConfigurationError
-
-    if track != _NEAREST:
-        return track
-    config = load_configuration(name, changes)
-    if config.devices is None:
-        raise ConfigurationError(
-            "--track nearest: without [devices] there is no vehicle that stands anywhere; give --track NAME"
-        )
-    with console.status("listening where the vehicle stands …"):
-        nearest = nearest_track(config, standing(config.devices))
-    console.print(f"the nearest line is {nearest!r}", soft_wrap=True)
-    return nearest
-
-
-def _configured(name: str, changes: list[str], pace: int) -> tuple["Configuration", bool]:
-    """Return what to drive, and whether all of its devices are stand-ins."""
-    from drawbar.config import load_configuration
-    from drawbar.driving.devices.pace import demand_stand_in
-    from drawbar.driving.preparation.matching_settings import demand_matching_settings
-    from drawbar.driving.stand_in.demonstration import with_stand_ins
-    from drawbar.machine.hardware.corrections.corrections import new_client
-
-    config = load_configuration(name, changes)
-    demand_matching_settings(config)
-    stand_ins = config.devices is None
-    if config.devices is not None:
-        demand_stand_in(config.devices, pace)
-        if config.devices.corrections is not None:
-            new_client(config.devices.corrections)  # what it lacks is said before anything starts
-    else:
-        config = with_stand_ins(config)
-        time_passes = "in real time" if pace == 1 else f"{pace} times as fast as real time"
-        console.print(f"no [devices] are configured: driving stand-ins of all of them on this computer, {time_passes}")
-    return config, stand_ins
 
 
 def _compile(config: "Configuration") -> None:

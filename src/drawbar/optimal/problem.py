@@ -63,7 +63,7 @@ class ControlProblem:
 
     def __post_init__(self) -> None:
         check_model(self.model)
-        check_time(self)
+        check_time(self.horizon, self.sample_time, self.integrator, self.integration_steps, self.integration_tolerance)
         check_intervals(self.intervals_per_sample)
         model = self.model
         check_values("weights", self.weights, model.outputs)
@@ -175,7 +175,7 @@ class EstimationProblem:
 
     def __post_init__(self) -> None:
         check_model(self.model)
-        check_time(self)
+        check_time(self.horizon, self.sample_time, self.integrator, self.integration_steps, self.integration_tolerance)
         model, estimated = self.model, self.estimated
         check_values("weights", self.weights, model.outputs)
         check_values("prior_deviation", self.prior_deviation, estimated, advice="give how far off it may be at first")

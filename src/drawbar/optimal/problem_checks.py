@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable, Mapping
 from numbers import Integral
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import casadi as ca
 
@@ -12,9 +12,6 @@ from drawbar.optimal.bound import Bound
 from drawbar.optimal.given import check_numbers
 from drawbar.vehicle.integrators import Integrator
 from drawbar.vehicle.model import Model, Variable
-
-if TYPE_CHECKING:
-    from drawbar.optimal.problem import ControlProblem, EstimationProblem
 
 LONGEST_HORIZON, MOST_INTERVALS = 10_000, 100
 """samples of a horizon, and integration steps in an interval; shooting intervals in a sample: code and memory grow with
@@ -26,18 +23,16 @@ def check_model(model: Any) -> None:
     demand("model", model, Model, "give one that declare() or Model(...) made", SolverError)
 
 
-def check_time(problem: "ControlProblem | EstimationProblem") -> None:
-    """Refuse a horizon, sample time or integrator that is none."""
-    horizon, sample_time, steps = problem.horizon, problem.sample_time, problem.integration_steps
+def check_time(horizon: int, sample_time: float, integrator: Integrator, steps: int, tolerance: float) -> None:
+    """Refuse a horizon, sample time or integrator, its steps or tolerance, that is none."""
     if not (isinstance(horizon, Integral) and isinstance(steps, Integral)):
         raise SolverError(
             f"horizon and integration_steps must be whole numbers, got {horizon!r} and {steps!r}; give an int."
         )
-    tolerance = problem.integration_tolerance
     check_numbers("A problem", sample_time=sample_time, integration_tolerance=tolerance)
-    if problem.integrator not in tuple(Integrator):
+    if integrator not in tuple(Integrator):
         allowed = ", ".join(f"Integrator.{each.name}" for each in Integrator)
-        raise SolverError(f"integrator = {problem.integrator!r} is none of {allowed}; give one of these.")
+        raise SolverError(f"integrator = {integrator!r} is none of {allowed}; give one of these.")
     if horizon < 2 or steps < 1:
         raise SolverError(f"horizon must be at least 2 and integration_steps at least 1, got {horizon} and {steps}.")
     if horizon > LONGEST_HORIZON or steps > LONGEST_HORIZON:
@@ -45,7 +40,7 @@ def check_time(problem: "ControlProblem | EstimationProblem") -> None:
             f"horizon and integration_steps must be at most {LONGEST_HORIZON}, got {horizon} and {steps}; take longer "
             f"samples."
         )
-    if problem.integrator == Integrator.ADAPTIVE and steps < 2:
+    if integrator == Integrator.ADAPTIVE and steps < 2:
         raise SolverError(
             f"An adaptive integrator needs integration_steps, the most that it may try, of at least 2, got {steps}; "
             f"give 100, for one."

@@ -5,7 +5,7 @@ Nothing is moved: boards are scanned for, and boards and valves are sent "not st
 
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 
 from drawbar.driving.devices.actuators import board_wires, isobus_wire
@@ -15,7 +15,7 @@ from drawbar.errors import HardwareError
 from drawbar.geometry import LocalFrame
 from drawbar.machine.hardware.bare_valve_settings import BareValveSettings
 from drawbar.machine.hardware.board_scan import BoardScan
-from drawbar.machine.hardware.corrections.corrections import open_corrections
+from drawbar.machine.hardware.corrections.corrections import Corrections, open_corrections
 from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.hardware.isobus import IsobusSettings
 from drawbar.machine.hardware.receiver import ReceiverSettings
@@ -61,21 +61,16 @@ def check(
         ConfigurationError: the login of the corrections cannot be had.
     """
     corrections = open_corrections(devices.corrections) if devices.corrections is not None else None
-
-    def receiver(name: str, settings: ReceiverSettings) -> Finding:
-        alone = devices.trailer_receiver is None
-        look = partial(check_receiver, name, settings, frame, seconds, sample_time, corrections)
-        finding = finding_of(name, partial(look, oldest=oldest, alone=alone))
-        if finding.received and not finding.fixed:
-            finding.problems += not_forwarded(settings, devices)
-        return finding
-
-    tractor = receiver("tractor receiver", devices.tractor_receiver)
-    yield tractor
-    if devices.trailer_receiver is not None:
-        trailer = receiver("trailer receiver", devices.trailer_receiver)
-        trailer.problems += other_time(tractor, trailer) + other_station(tractor, trailer)
-        yield trailer
+    listen = partial(
+        check_receiver,
+        frame=frame,
+        seconds=seconds,
+        sample_time=sample_time,
+        corrections=corrections,
+        oldest=oldest,
+        alone=devices.trailer_receiver is None,
+    )
+    yield from _receivers(devices, listen)
     boards = {"tractor board": devices.tractor_board, "trailer board": devices.trailer_board}
     yield from _boards({name: board for name, board in boards.items() if board is not None}, seconds)
     if devices.isobus is not None:
@@ -85,13 +80,37 @@ def check(
     if devices.bare_valve is not None:
         yield finding_of("bare valve", partial(_bare_valve, devices.bare_valve, seconds))
     if corrections is not None:
-        for now in poll_times(seconds):
-            corrections.advance(now)
-        status = corrections.status(time.monotonic())
-        corrections.close()
-        problems = [status.message] if status.message else []
-        facts = [f"RTCM {', '.join(map(str, sorted(status.types)))}"] if status.types else []
-        yield Finding(device="corrections", received=bool(status.types), facts=facts, problems=problems)
+        yield _corrections(corrections, seconds)
+
+
+def _receivers(devices: DeviceSettings, listen: Callable[..., Finding]) -> Iterator[Finding]:
+    """Listen to the receivers one after the other, and compare the second with the first."""
+    first = _receiver("tractor receiver", devices.tractor_receiver, devices, listen)
+    yield first
+    if devices.trailer_receiver is not None:
+        second = _receiver("trailer receiver", devices.trailer_receiver, devices, listen)
+        second.problems += other_time(first, second) + other_station(first, second)
+        yield second
+
+
+def _receiver(
+    name: str, settings: ReceiverSettings, devices: DeviceSettings, listen: Callable[..., Finding]
+) -> Finding:
+    finding = finding_of(name, partial(listen, name, settings))
+    if finding.received and not finding.fixed:
+        finding.problems += not_forwarded(settings, devices)
+    return finding
+
+
+def _corrections(corrections: Corrections, seconds: float) -> Finding:
+    """Receive corrections for so many seconds more, and close them."""
+    for now in poll_times(seconds):
+        corrections.advance(now)
+    status = corrections.status(time.monotonic())
+    corrections.close()
+    problems = [status.message] if status.message else []
+    facts = [f"RTCM {', '.join(map(str, sorted(status.types)))}"] if status.types else []
+    return Finding(device="corrections", received=bool(status.types), facts=facts, problems=problems)
 
 
 def _boards(boards: dict[str, SteerBoardSettings], seconds: float) -> Iterator[Finding]:
