@@ -318,11 +318,14 @@ ERRORS_DE: Mapping[str, str] = {
     "refuses the user name or the password": "lehnt Benutzernamen oder Passwort ab",
     "has no such mount point": "kennt diesen Mountpoint nicht",
     "refuses the request": "lehnt die Anfrage ab",
+    "leads to another page": "verweist auf eine andere Seite",
     "answers something that is not NTRIP": "antwortet etwas, das nicht NTRIP ist",
     "check devices.corrections.mount": "devices.corrections.mount prüfen",
     "check what devices.corrections.credentials leads to": "prüfen, wohin devices.corrections.credentials führt",
     "check corrections.version, and ask the caster's operator":
         "corrections.version prüfen und den Betreiber des Casters fragen",
+    "see whether the modem or its network asks for a login, else check devices.corrections.host":
+        "nachsehen, ob das Modem oder sein Netz eine Anmeldung verlangt, sonst devices.corrections.host prüfen",
     "check devices.corrections.host, port and tls": "devices.corrections.host, port und tls prüfen",
     "no connection within {} s while {}": "keine Verbindung innerhalb von {0} s ({1})",
     "looking up the name": "beim Suchen des Namens",

@@ -50,6 +50,7 @@ class Answer(Enum):
     NO_LOGIN = "refuses the user name or the password"
     NO_MOUNT = "has no such mount point"
     REFUSED = "refuses the request"
+    REDIRECT = "leads to another page"
     NONSENSE = "answers something that is not NTRIP"
 
 
@@ -105,7 +106,7 @@ class ReplyReader:
         version_1 = re.match(rb"(?:ICY|HTTP/1\.\d) (\d{3})\b", line)
         self.code = int(version_1[1]) if version_1 else 0
         if version_1 and (self.code != 200 or line.startswith(b"ICY")):
-            self._decide(_BY_CODE.get(self.code, Answer.REFUSED))
+            self._decide(_BY_CODE.get(self.code, Answer.REDIRECT if 300 <= self.code < 400 else Answer.REFUSED))
             del self._held[: len(line) + 1]
         elif version_1:
             self._read_headers()

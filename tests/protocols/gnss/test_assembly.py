@@ -70,6 +70,23 @@ def test_a_message_that_came_too_late_is_counted_and_waited_for(report: Maker) -
     assert stream.dropped == {"message without its epoch": 2}
 
 
+def test_the_age_of_corrections_counts_where_its_message_comes_once_a_second_after_the_epoch(report: Maker) -> None:
+    """KSXT has no such age; a receiver may send it at 5 Hz, and GGA behind it at 1 Hz, which nothing waits for."""
+    stream, ages = EpochStream(EpochSettings()), []
+    for step in range(26):
+        sent = report(0.2 * step, correction_age=1.0)
+        frames = [nmea.ksxt(sent), *([nmea.gga(sent)] if step % 5 == 0 else [])]
+        ages += [epoch.correction_age for epoch in run(stream, [(10.0 + 0.2 * step, frames)])]
+    assert len(ages) == 26
+    assert ages[16:21] == pytest.approx([1.2, 1.4, 1.6, 1.8, 2.0])
+    for minute in range(1, 63):  # without GGA it grows old, and is not known after an hour
+        ages += [
+            epoch.correction_age for epoch in run(stream, [(10.0 + 60.0 * minute, [nmea.ksxt(report(60.0 * minute))])])
+        ]
+    assert ages[25 + 30] == pytest.approx(1796.0, abs=0.3)
+    assert math.isnan(ages[-1])
+
+
 @pytest.mark.parametrize(("gap", "dropped"), [(0.03, 1), (0.055, 1), (0.075, 8)])
 def test_a_speed_that_comes_a_while_after_its_position_is_waited_for(report: Maker, gap: float, dropped: int) -> None:
     """Some receivers compute it later; what comes too late for a step is not waited for."""

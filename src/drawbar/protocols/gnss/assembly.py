@@ -15,6 +15,7 @@ from drawbar.protocols.gnss.settings import EpochSettings
 from drawbar.protocols.gnss.solution import Solution, sigma, solve
 from drawbar.protocols.gnss.timing import SAME_EPOCH, ReceiverClock, difference
 from drawbar.protocols.gnss.turning import LARGEST_YAW_RATE, Turning
+from drawbar.protocols.gnss.values import OLDEST_CORRECTION
 from drawbar.signals import FixQuality
 
 SILENCE, LONG_SILENCE = 0.02, 0.06
@@ -87,6 +88,8 @@ class Assembler:
         """UTC and offset of the epoch before, if that had another time"""
         self._turning = Turning()
         self._last_kinds: set[str] = set()  # of the epoch before
+        self._corrected: float | None = None
+        """UTC of the corrections, by a message that came after its epoch was closed"""
 
     @property
     def is_open(self) -> bool:
@@ -137,6 +140,7 @@ class Assembler:
             return []
         if self._is_straggler(draft):
             self.dropped["message without its epoch"] += 1
+            self._keep_correction_age(draft)
             if self._kinds:
                 self._kinds[-1] |= draft.kinds  # to be waited for
             if draft.received - self._closed <= LONG_SILENCE:
@@ -150,6 +154,19 @@ class Assembler:
             return []
         epoch = self._checked(draft, draft.utc)
         return [] if epoch is None else [epoch]
+
+    def _keep_correction_age(self, draft: _Draft) -> None:
+        """Keep for later epochs how old the corrections were: the message that tells it may come once a second only."""
+        ages = [each.correction_age for each in draft.contents if isinstance(each, Position)]
+        if draft.utc is not None and ages and math.isfinite(ages[0]):
+            self._corrected = draft.utc - ages[0]
+
+    def _correction_age(self, position: Position, utc: float) -> float:
+        """Return the age of the corrections in an epoch, s; NaN where it is not known."""
+        if math.isfinite(position.correction_age) or self._corrected is None:
+            return position.correction_age
+        age = difference(utc, self._corrected)
+        return age if 0.0 <= age <= OLDEST_CORRECTION else math.nan
 
     def _is_straggler(self, draft: _Draft) -> bool:
         """Whether messages belong to the epoch that was closed last, and are not that epoch once more."""
@@ -228,7 +245,7 @@ class Assembler:
             resolution=position.resolution,
             speed=solution.velocity.speed,
             course=solution.velocity.course,
-            correction_age=position.correction_age,
+            correction_age=self._correction_age(position, utc),
             station=position.station,
             satellites=position.satellites,
             hdop=position.hdop,

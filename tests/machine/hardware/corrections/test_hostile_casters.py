@@ -35,7 +35,7 @@ HOSTILE = {
     "chunks of one byte of noise": (CHUNKED + b"1\r\n$\r\n" * 80_000, "no intact frame of RTCM 3"),
     "frames that begin and never end": (OK + b"\r\n" + b"\xd3\x03\xff" * 100_000, "no intact frame of RTCM 3"),
     "gzip": (OK + b"Content-Encoding: gzip\r\n\r\n" + gzip.compress(FRAMES * 100), "no byte for 10 s"),
-    "a redirect": (b"HTTP/1.1 302 Found\r\nLocation: http://127.0.0.1:1/MP1\r\n\r\n", "refuses the request (302)"),
+    "a redirect": (b"HTTP/1.1 302 Found\r\nLocation: http://127.0.0.1:1/MP1\r\n\r\n", "leads to another page (302)"),
     "go on": (b"HTTP/1.1 100 Continue\r\n\r\n" + OK + b"\r\n" + FRAMES, "refuses the request (100)"),
     "another protocol": (b"SSH-2.0-OpenSSH_9.6\r\n" + b"\0" * 500, "answers something that is not NTRIP"),
     "TLS": (b"\x15\x03\x01\0\x02\x02\x28" * 2000, "answers something that is not NTRIP"),

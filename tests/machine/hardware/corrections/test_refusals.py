@@ -69,7 +69,7 @@ def test_a_page_is_known_at_once_and_tried_again_soon(connect: Callable[..., Ben
 
 @pytest.mark.parametrize(
     ("code", "shortest", "longest"),
-    [(302, 0.8, 1.2), (400, 60.0, 72.0), (409, 60.0, 72.0), (499, 60.0, 72.0), (500, 0.8, 1.2), (503, 0.8, 1.2)],
+    [(400, 60.0, 72.0), (409, 60.0, 72.0), (499, 60.0, 72.0), (500, 0.8, 1.2), (503, 0.8, 1.2)],
 )
 def test_caster_in_trouble_is_tried_again_soon(
     connect: Callable[..., Bench], code: int, shortest: float, longest: float
@@ -83,3 +83,15 @@ def test_caster_in_trouble_is_tried_again_soon(
             bench.until_state(CorrectionsState.WAITING)
     assert f"refuses the request ({code})" in bench.status.message
     assert shortest <= bench.status.next_attempt <= longest
+
+
+def test_redirect_is_of_a_modem_or_its_network(connect: Callable[..., Bench]) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        bench = connect(server.getsockname()[1])
+        bench.until_state(CorrectionsState.ASKING)
+        other, _ = server.accept()
+        with other:
+            other.sendall(b"HTTP/1.1 302 Found\r\nLocation: http://192.168.8.1/login\r\n\r\n")
+            bench.until_state(CorrectionsState.WAITING)
+    assert "leads to another page (302); see whether the modem or its network asks for a login" in bench.status.message
+    assert 0.8 <= bench.status.next_attempt <= 1.2

@@ -19,13 +19,15 @@ PATIENCE = 60.0
 AT_ONCE = 4096
 """bytes taken at a time, 50 times a second: a hundred times what corrections are, and soon read whatever they are"""
 _REFUSALS = (0, *range(400, 500))
-"""codes of a request that a caster refuses; with 3xx a modem's page answers, with 5xx a caster that is in trouble
-itself; 0: it reports none"""
+"""codes of a request that a caster refuses; with 5xx it is in trouble itself; 0: it reports none"""
+_PAGES = (Answer.REDIRECT, Answer.NONSENSE)
+"""of a modem or a network, in a caster's place"""
 _ADVICE = {
     Answer.SOURCE_TABLE: "check devices.corrections.mount",
     Answer.NO_MOUNT: "check devices.corrections.mount",
     Answer.NO_LOGIN: "check what devices.corrections.credentials leads to",
     Answer.REFUSED: "check corrections.version, and ask the caster's operator",
+    Answer.REDIRECT: "see whether the modem or its network asks for a login, else check devices.corrections.host",
     Answer.NONSENSE: "check devices.corrections.host, port and tls",
 }
 
@@ -106,7 +108,7 @@ class Session:
         if answer is None:
             return b""
         if answer is not Answer.STREAM:
-            self.refused = self._reader.code in _REFUSALS if answer is Answer.REFUSED else answer is not Answer.NONSENSE
+            self.refused = self._reader.code in _REFUSALS if answer is Answer.REFUSED else answer not in _PAGES
             if self._reader.code:
                 self.failure = f"the caster {answer.value} ({self._reader.code}); {_ADVICE[answer]}"
             else:
