@@ -99,7 +99,7 @@ ANSWERS = {
     b"ERROR - Bad Password\r\n": Answer.NO_LOGIN,
     b"ERROR - Mount Point Taken\r\n": Answer.REFUSED,
     b"HTTP/1.1 404 Not Found\r\n": Answer.NO_MOUNT,
-    b"HTTP/1.1 302 Found\r\n": Answer.REFUSED,
+    b"HTTP/1.1 302 Found\r\n": Answer.REDIRECT,
     b"HTTP/1.1 503 Service Unavailable\r\n": Answer.REFUSED,
     b"SOURCETABLE 200 OK\r\n": Answer.SOURCE_TABLE,
     b"HTTP/1.1 200 OK\r\ncontent-type: GNSS/Sourcetable\r\n\r\n": Answer.SOURCE_TABLE,

@@ -1,6 +1,5 @@
 """A drive in processes, in real time, over real sockets on loopback."""
 
-import json
 import os
 import re
 import resource
@@ -12,8 +11,8 @@ import time
 from types import SimpleNamespace
 
 import pytest
-from mcap.records import Channel, Message
-from mcap.stream_reader import StreamReader
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
 from patience import ENGAGE, PATIENT, watch
 
 from drawbar.config import load_configuration
@@ -81,15 +80,11 @@ def test_it_steers_over_sockets_and_leaves_a_log_that_everybody_reads(processes,
     assert len(log.records) > 30
     metrics = write_report(tmp_path)
     assert metrics.error_m.trailer["all"].max < 0.3
-    topics, seen = {}, set()
     with (tmp_path / "log.mcap").open("rb") as stream:
-        for record in StreamReader(stream).records:
-            if isinstance(record, Channel):
-                topics[record.id] = record.topic
-            elif isinstance(record, Message):
-                seen.add(topics[record.channel_id])
-                if topics[record.channel_id] == "/gate":
-                    json.loads(record.data)
+        log_reader = make_reader(stream, decoder_factories=[DecoderFactory()])
+        seen = {channel.topic for _, channel, _ in log_reader.iter_messages()}
+        states = {each.decoded_message.state for each in log_reader.iter_decoded_messages(topics="/gate")}
+    assert SupervisorState.ACTIVE in states
     with open_drive(tmp_path / "log.mcap") as records:
         devices = {record.device for record in records if isinstance(record, RawBytes)}
     assert devices == {"tractor_receiver", "trailer_receiver", "sensors"}
