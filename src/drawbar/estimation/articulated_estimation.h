@@ -223,6 +223,7 @@ static inline int model_learn(struct estimation_model *model, const double *stat
         slide_attitude(slide, axles[0].yaw, attitudes->tractor_roll, attitudes->tractor_pitch, model->sample_time);
     else
         slide_attitude(slide, axles[1].yaw, attitudes->trailer_roll, attitudes->trailer_pitch, model->sample_time);
+    slide_at_speed(slide, state[X_LONGITUDINAL_SLIP] * state[X_SPEED], model->chain.wheelbase);
     slide_forget(slide);
     slide_update(slide, axles[0], state[X_TRACTOR_CRAB] + before[0]);
     slide_update(slide, axles[1], state[X_TRAILER_CRAB] + before[1]);

@@ -26,6 +26,7 @@ enum { SLIDE_EAST, SLIDE_NORTH, SLIDE_CREEP, SLIDE_CONSTANT, SLIDE_CURVE, SLIDE_
 #define FALL_TIME 10.0                     /* time constant of the ground's fall, s */
 #define MOST_SLIDE 0.12                    /* limit of the side-slip by the slope, rad */
 #define MOST_CREEP 1.0                     /* limit of creep, rad/g */
+#define MOST_AHEAD 0.2                     /* of the wheelbase, see slide_at_speed */
 
 /* An axle's heading and lateral acceleration. */
 struct axle {
@@ -43,6 +44,7 @@ struct slide {
     double covariance[SLIDE_TERMS][SLIDE_TERMS];
     double fall[2];                        /* of the ground to the east and to the north, averaged, rad */
     double attitude_time;                  /* for how long attitudes have measured it, at most FALL_TIME, s */
+    double ahead;                          /* by how many wheelbases 1 rad/g of creep moves an axle ahead at this speed */
 };
 
 #define SLIDE_FIELDS(type, place)                                                                            \
@@ -85,8 +87,16 @@ static NOINLINE void slide_reset_covariance(struct slide *slide)
 static inline void slide_begin(struct slide *slide)
 {
     memset(slide->value, 0, sizeof slide->value);
-    slide->fall[0] = slide->fall[1] = slide->attitude_time = 0.0;
+    slide->fall[0] = slide->fall[1] = slide->attitude_time = slide->ahead = 0.0;
     slide_reset_covariance(slide);
+}
+
+/* Set the speed (m/s) at which the coefficients are in effect. An axle that drifts out of its curve by `creep` moves as if it were
+ * creep speed^2 / g further ahead. Where an antenna that stands aside is taken for creep, the vehicle oscillates if that is
+ * more than MOST_AHEAD of the wheelbase (m). */
+static inline void slide_at_speed(struct slide *slide, double speed, double wheelbase)
+{
+    slide->ahead = speed * speed / (GRAVITY * wheelbase);
 }
 
 /* The three coefficients in effect: side-slip by the slope, east and north, rad; by lateral acceleration, rad/g, never negative:
@@ -96,6 +106,8 @@ static NOINLINE void slide_coefficients(const struct slide *slide, double *coeff
     for (int i = 0; i < 2; ++i)
         coefficients[i] = slide->value[i] + slide->value[SLIDE_CREEP] * slide->fall[i];
     coefficients[2] = fmax(slide->value[SLIDE_CREEP] + slide->value[SLIDE_CURVE], 0.0);
+    if (coefficients[2] * slide->ahead > MOST_AHEAD)
+        coefficients[2] = MOST_AHEAD / slide->ahead;
 }
 
 /* Predicted side-slip of an axle, to its left, rad. */
