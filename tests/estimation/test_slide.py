@@ -149,7 +149,7 @@ def test_creep_is_in_effect_as_far_as_it_moves_an_axle_ahead_by_a_fifth_of_the_w
 
 
 def test_antennas_that_stand_aside_to_opposite_sides_let_nothing_oscillate_at_speed(simulate: Callable) -> None:
-    """By 20 cm at a distance of 2.2 m, where attitude is measured: side-slips of 0.09 rad, which curves do not cause."""
+    """By 20 cm at a distance of 2.2 m, where attitude is measured: a side-slip of 0.09 rad that no curve causes."""
     aside = "machine.masts={tractor={left=0.1},trailer={left=-0.1}}"
     attitude = "machine.attitude={tractor={present=true},trailer={present=true}}"
     run = simulate("articulated", "path.radii=[8.0]", "speed=3.0", aside, attitude)
