@@ -27,6 +27,7 @@
 #define OFFSET_SAMPLES 10.0                /* weight of the prior offset, zero, in samples */
 #define RATE_CHANGE 1.15                   /* ratio from which on the identified rate has changed */
 #define RATE_KEPT 0.05                     /* share of the statistics that is kept then */
+#define NO_SHARE -40.0                     /* logarithm of a probability relative to the largest that is left out: 4e-18 */
 
 /* Settings that both steerings share. */
 struct lag_grid {
@@ -230,7 +231,10 @@ static struct bank_sums bank_sum(const double *log_probability, int rows, const 
     for (int i = 0; i < rows * LAGS; ++i)
         most = log_probability[i] > most ? log_probability[i] : most;
     for (int i = 0; i < rows * LAGS; ++i) {
-        const double each = exp(log_probability[i] - most), value = values[i / LAGS], lag = log_lags[i % LAGS];
+        const double relative = log_probability[i] - most;
+        if (relative < NO_SHARE)
+            continue;                      /* most members */
+        const double each = exp(relative), value = values[i / LAGS], lag = log_lags[i % LAGS];
         sums.all += each;
         sums.row[0] += each * value;
         sums.row[1] += each * value * value;
