@@ -32,7 +32,7 @@ TESTS = {
     ),
     "conditions": ("test_conditions.py", "test_engagement.py", "test_machine_gate.py"),
     "envelope": ("test_envelope.py", "test_selftest.py", "test_machine_gate.py", "test_gate_endings.py"),
-    "following": ("test_following.py", "test_machine_gate.py", "test_gate_endings.py"),
+    "following": ("test_following.py", "test_following_edges.py", "test_machine_gate.py", "test_gate_endings.py"),
     "speeds": ("test_speeds.py", "test_machine_gate.py", "test_gate_endings.py"),
     "operator_requests": ("test_operator_requests.py", "test_machine_gate.py", "test_gate_endings.py"),
     "machine_gate": (
