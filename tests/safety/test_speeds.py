@@ -58,6 +58,48 @@ def test_means_are_compared_as_an_antenna_sways_on_its_mast(receiver, known):
     assert speeds.known(10.2) is known
 
 
+def means(*receiver):
+    """Return whether the speed is known after these of the receiver, while the wheels say 1 m/s."""
+    speeds = Speeds(SETTINGS)
+    for index, value in enumerate(receiver):
+        speeds.add(10.0 + 0.0625 * index, "receiver", value)
+        speeds.add(10.0 + 0.0625 * index, "wheels", 1.0)
+    return speeds.known(10.0 + 0.0625 * (len(receiver) - 1))
+
+
+def test_the_mean_is_of_three_samples_and_the_newest_counts_three_times():
+    assert not means(0.0, 1.6, 1.6, 1.6)
+    assert means(3.4, 1.0, 1.0)
+    assert not means(3.6, 1.0, 1.0)
+    assert means(1.0, 1.0, 1.8)
+    assert not means(1.0, 1.0, 1.875)
+    assert not means(1.0, 3.6, 1.0)
+
+
+def contradicting(wheels, receiver, first=10.0, count=6):
+    """Return whether speeds contradict each other after so many of each, which came within 1 s, at the time 11 s."""
+    speeds = Speeds(SETTINGS)
+    for index in range(count):
+        speeds.add(first if index == 0 else 11.0, "wheels", wheels)
+        speeds.add(first if index == 0 else 11.0, "receiver", receiver)
+    return speeds.contradict(11.0)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_speeds_of_which_one_is_half_as_large_again_do_not_yet_contradict(turned):
+    def contradict(*speeds, **how):
+        return contradicting(*(reversed(speeds) if turned else speeds), **how)
+
+    assert not contradict(2.0, 3.0)
+    assert contradict(2.0, 3.125)
+    assert not contradict(0.05, 0.125), "a small difference"
+    assert not contradict(0.0, 0.09375)
+    assert contradict(0.0, 0.125)
+    assert not contradict(2.0, 4.0, count=5), "too few of them"
+    assert contradict(2.0, 4.0, first=8.0)
+    assert not contradict(2.0, 4.0, first=math.nextafter(8.0, 0.0)), "the first is too old"
+
+
 def test_while_it_is_not_known_it_grows_no_faster_than_the_vehicle_can():
     speeds = Speeds(SETTINGS)
     for tick in range(6):
