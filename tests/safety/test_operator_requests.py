@@ -122,6 +122,8 @@ def test_a_message_counts_once_and_while_it_is_fresh():
     assert table.ask(Action.PRESENT, nonce=0, lease=9) is Cause.REPLAYED
     assert table.ask(Action.PRESENT, nonce=6, age=0.99) is None
     assert table.ask(Action.PRESENT, nonce=7, age=-0.004) is None, "made while the gate already looks"
+    assert table.ask(Action.PRESENT, nonce=8, age=0.5, valid=0.5) is None, "until then"
+    assert table.ask(Action.PRESENT, nonce=9, age=1.0, valid=5.0) is None
 
 
 def test_sessions_are_remembered_up_to_a_number_the_silent_ones_forgotten_first():
@@ -212,6 +214,7 @@ def test_who_engages_by_message_is_responsible_though_there_is_a_switch():
         (Action.NUDGE, -0.3, None),
         (Action.NUDGE, 0.31, Cause.OUT_OF_RANGE),
         (Action.NUDGE, -0.31, Cause.OUT_OF_RANGE),
+        (Action.SET_SPEED, 0.5, None),
         (Action.SET_SPEED, 4.2, None),
         (Action.SET_SPEED, 4.3, Cause.OUT_OF_RANGE),
         (Action.SET_SPEED, 0.0, Cause.OUT_OF_RANGE),
