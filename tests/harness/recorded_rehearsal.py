@@ -19,11 +19,11 @@ FRAME = LocalFrame(latitude=50.87, longitude=4.7)
 
 
 @contextmanager
-def recorded_rehearsal(configuration, file, seed):
+def recorded_rehearsal(configuration, file, seed, *, shadow=False):
     """Yield a rehearsal of a configuration with devices, and the list of its commands; all is written into a file."""
     path, drivable = build_path(configuration)
-    rehearsal, commands = Rehearsal(configuration, path, seed, configuration.safety), []
-    header = run_header(configuration, path, drivable, seed=seed, frame=FRAME)
+    rehearsal, commands = Rehearsal(configuration, path, seed, configuration.safety, shadow=shadow), []
+    header = run_header(configuration, path, drivable, seed=seed, frame=FRAME, shadow=shadow)
     with DriveLog(file, header, Scene(path=path, vehicle=configuration.vehicle, frame=FRAME)) as log:
         _record_inputs(rehearsal, log)
         _record_controller(rehearsal, log, commands)

@@ -107,7 +107,7 @@ def drive(
             config, folder, stand_ins=stand_ins, shadow=shadow, pace=pace, live=shown, console=options
         )
         failed = _run(processes, folder, options, interrupts, demonstrates=demonstrates, seconds=seconds)
-        _report(folder, shadow=shadow)
+        _report(folder)
         if remember:
             keep_steerings(FilePath(configuration), folder / LOG_NAME)
     if failed:
@@ -169,11 +169,9 @@ def _shown_at(port: int) -> int:
     return chosen
 
 
-def _report(folder: FilePath, *, shadow: bool) -> None:
-    """Write the report and print its summary; of a shadow drive also the differences from its driver."""
-    from drawbar.driving.evaluation.shadow import COMPARED, steering_differences, tell
+def _report(folder: FilePath) -> None:
+    """Write the report and print its summary."""
     from drawbar.errors import StorageError
-    from drawbar.recording.columns import read_columns
     from drawbar.recording.log import LOG_NAME
     from drawbar.report.console import summary
     from drawbar.report.folder import write_report
@@ -181,9 +179,6 @@ def _report(folder: FilePath, *, shadow: bool) -> None:
     if not (folder / LOG_NAME).exists():
         raise StorageError(_NOT_THERE.format(folder=folder))
     console.print(summary(write_report(folder)))
-    if shadow:
-        for difference in steering_differences(read_columns(folder / LOG_NAME, COMPARED)):
-            console.print(tell(difference), soft_wrap=True)
     console.print(f"\n{folder / 'report.html'}", soft_wrap=True)
 
 

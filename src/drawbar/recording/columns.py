@@ -50,8 +50,7 @@ _REPORTED_OF_TRUTH: tuple[str, ...] = (
     *(f"truth.{body}_{angle}" for body in _BODIES for angle in ("roll", "pitch")),
 )
 _REPORTED_WITHOUT_TRUTH: tuple[str, ...] = (
-    "estimate.tractor_steering",
-    *(f"measurement.{name}" for name in _STEERINGS),
+    *(f"{source}.{name}" for source in ("measurement", "estimate") for name in _STEERINGS),
 )
 """in place of what is not known"""
 WIDE = (".x", ".y", "_x", "_y", ".time", ".progress", ".closest.0", ".closest.1")

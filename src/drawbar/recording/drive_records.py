@@ -131,6 +131,18 @@ def open_drive(file: Path) -> Iterator[Iterator[DriveRecord]]:
         yield _drive_records(records, file)
 
 
+def read_messages(file: Path, *kinds: type[Message]) -> Iterator[tuple[float, Message]]:
+    """Yield the messages of some kinds in a log, each with its time, s since the epoch, as they stand in the file.
+
+    Raises DrawbarError when the file cannot be read or is damaged.
+    """
+    wanted = {TOPICS[kind]: kind for kind in kinds}
+    with reading(file) as records:
+        for each in records:
+            if isinstance(each, LoggedMessage) and each.topic in wanted:
+                yield each.publish_time * 1e-9, msgspec.convert(decode_message(each), wanted[each.topic])
+
+
 def is_drive(file: Path) -> bool:
     """Return whether a file is the log of a drive, with what a replay from raw bytes needs.
 

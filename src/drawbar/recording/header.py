@@ -24,6 +24,8 @@ def run_header(
     drivable: "DrivablePath | None",
     seed: int = 0,
     frame: LocalFrame | None = None,
+    *,
+    shadow: bool = False,
 ) -> RunHeader:
     """Describe a run that starts now.
 
@@ -33,6 +35,7 @@ def run_header(
         drivable: how a recorded line was made drivable, None for other paths.
         seed: of everything random; a real machine has none.
         frame: of the path, where it is known otherwise than by its line.
+        shadow: drawbar only looks on.
 
     Raises:
         ConfigurationError: the configuration is none.
@@ -53,6 +56,7 @@ def run_header(
         recorded=RecordedPoints.of(drivable.recorded, drivable.deviations) if drivable else None,
         origin=(frame.latitude, frame.longitude, frame.height) if frame else None,
         estimate_bounds=configuration.estimator.bounds_by_estimate(),
+        shadow=shadow,
     )
 
 

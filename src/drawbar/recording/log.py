@@ -67,6 +67,8 @@ class RunHeader:
     """where the path's frame begins on WGS84: latitude, longitude (degrees), height (m); None: not known"""
     estimate_bounds: Mapping[str, tuple[float, float]]
     """lower and upper bound of the estimator by field name of Estimate, SI"""
+    shadow: bool = False
+    """drawbar only looked on, while the driver steered"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,6 +8,7 @@ from rich.text import Text
 from drawbar.report.masts import doubt_text
 from drawbar.report.metrics import Metrics
 from drawbar.report.positions import position_texts
+from drawbar.report.shadow import ShadowMetrics
 from drawbar.report.tables import (
     ERROR_COLUMNS,
     TIME_COLUMNS,
@@ -17,6 +18,8 @@ from drawbar.report.tables import (
     error_rows,
     number,
     origin,
+    refusal_rows,
+    shadow_texts,
     time_rows,
 )
 from drawbar.report.two_antennas import yaw_text
@@ -25,6 +28,13 @@ from drawbar.terminal import FittedTable
 
 def _table(title: str, columns: Iterable[tuple[str, str]], rows: list[Row]) -> FittedTable:
     return FittedTable(title, list(columns), rows, title_width=19)
+
+
+def _shadow_lines(shadow: ShadowMetrics) -> list[str]:
+    """Return when a drive at which drawbar only looked on could have been engaged, and what stood against it."""
+    engaging, *others = shadow_texts(shadow)
+    against = [f"- {lasted}: {cells[0]}" for lasted, cells in refusal_rows(shadow)]
+    return ["", "drawbar only looked on:", engaging, *against, *others]
 
 
 def summary(metrics: Metrics) -> RenderableType:
@@ -45,6 +55,7 @@ def summary(metrics: Metrics) -> RenderableType:
         f"{distance} in {duration}{pace}",
         f"solver failures: {metrics.solver_failures}, commands limited: {metrics.limited_commands}, "
         f"refused: {metrics.refused_commands}",
+        *(_shadow_lines(metrics.shadow) if metrics.shadow is not None else []),
         *(Text(doubt, "bold yellow") for doubt in doubts if doubt),
         *(Text(f"log: {loss}", "bold yellow") for loss in metrics.losses),
     ]

@@ -12,6 +12,7 @@ from drawbar.report.columns import actual_steering, along, span_along
 from drawbar.report.decimation import extremes
 from drawbar.report.path_errors import Bodies, PathErrors
 from drawbar.report.shades import class_shades
+from drawbar.report.shadow import ComparedSteering
 from drawbar.report.style import Figure, axis, layout, line
 from drawbar.signals import FixStatus
 
@@ -137,6 +138,16 @@ def steering_figure(log: Columns, body: str) -> Figure:
         *_bound_lines(log, "Limit", (-limit, limit)),
     ]
     return _along_figure(log, traces, "Steering, ° (left positive)", range=[-1.12 * limit, 1.12 * limit])
+
+
+def compared_figure(log: Columns, body: str, steering: ComparedSteering) -> Figure:
+    """Draw the steering of one body as the driver steered it and as drawbar would have, degrees."""
+    driver = "Driver, measured" if steering.is_measured else "Driver, estimated"
+    traces = [
+        _of_step(log, body, np.degrees(steering.driven), driver, style.BODY_COLOURS[body], "°", width=2.0),
+        _of_step(log, body, np.degrees(steering.command), "drawbar's command", style.INK, "°", width=1.0),
+    ]
+    return _along_figure(log, traces, "Steering, ° (left positive)")
 
 
 def estimate_figure(log: Columns, names: dict[str, tuple[str, str]], title: str, unit: str, scale: float) -> Figure:

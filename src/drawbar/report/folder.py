@@ -5,15 +5,17 @@ import os
 from dataclasses import replace
 from pathlib import Path
 
+from drawbar.driving.evaluation.engageable import read_engageable
 from drawbar.errors import DrawbarError, StorageError, demand_path
 from drawbar.recording.columns import read_columns
-from drawbar.recording.drive_events import drive_events
+from drawbar.recording.drive_events import DriveEvent, drive_events
 from drawbar.recording.drive_records import is_drive
 from drawbar.recording.log import LOG_NAME
 from drawbar.report.metrics import Metrics, compute_metrics
 from drawbar.report.page import render_page
 from drawbar.report.path_errors import estimated_path_errors, true_path_errors
 from drawbar.report.picture import render_picture
+from drawbar.report.shadow import compare
 
 REPORT_NAMES = ("metrics.json", "report.html", "map.svg")
 _FULL = (errno.ENOSPC, errno.EDQUOT)
@@ -35,12 +37,15 @@ def write_report(folder: str | os.PathLike[str], log_file: str | os.PathLike[str
     log = read_columns(file)
     errors = true_path_errors(log)
     metrics = compute_metrics(log, errors if log.has_truth else estimated_path_errors(log))
+    events, shadow = list[DriveEvent](), None
     try:
         events = drive_events(file) if is_drive(file) else []
+        shadow = compare(log, read_engageable(file)) if log.header.shadow else None
     except DrawbarError as error:  # the figures are worth a report by themselves
-        events, metrics = [], replace(metrics, losses=(*metrics.losses, f"what happened cannot be told: {error}"))
+        metrics = replace(metrics, losses=(*metrics.losses, f"what happened cannot be told: {error}"))
+    metrics = replace(metrics, shadow=None if shadow is None else shadow.metrics())
     picture = render_picture(log, errors).encode()
-    contents = (metrics.to_json(), render_page(log, metrics, errors, events).encode(), picture)
+    contents = (metrics.to_json(), render_page(log, metrics, errors, events, shadow).encode(), picture)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for name, content in zip(REPORT_NAMES, contents, strict=True):

@@ -17,6 +17,7 @@ from drawbar.report.columns import actual_steering, along, engaged, estimated
 from drawbar.report.masts import mast_doubt
 from drawbar.report.path_errors import Bodies, PathErrors
 from drawbar.report.positions import antennas_aside, lasting_residual, rejected_share
+from drawbar.report.shadow import ShadowMetrics
 from drawbar.report.two_antennas import yaw_difference
 from drawbar.signals import FixStatus, GateVerdict
 
@@ -129,6 +130,8 @@ class Metrics:
     refused_commands: int
     """commands that the gate did not let pass"""
     solve_time_s: SolverTimes
+    shadow: ShadowMetrics | None = None
+    """of a drive at which drawbar only looked on"""
 
     def to_json(self) -> bytes:
         """Return the content of metrics.json: sorted, indented, the same bytes for the same figures."""

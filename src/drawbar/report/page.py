@@ -18,6 +18,7 @@ from drawbar.report.events import event_rows
 from drawbar.report.metrics import Metrics
 from drawbar.report.path_errors import Bodies, PathErrors
 from drawbar.report.sections import Section, all_sections
+from drawbar.report.shadow import Shadow, ShadowMetrics
 from drawbar.report.tables import (
     ERROR_COLUMNS,
     TIME_COLUMNS,
@@ -27,6 +28,8 @@ from drawbar.report.tables import (
     error_rows,
     key_figures,
     origin,
+    refusal_rows,
+    shadow_texts,
     time_rows,
 )
 
@@ -94,15 +97,35 @@ def _events(rows: list[Row]) -> str:
     return f'<section id="events"><h2>What happened</h2>{table}</section>'
 
 
-def render_page(log: Columns, metrics: Metrics, errors: Bodies[PathErrors], events: Sequence[DriveEvent] = ()) -> str:
-    """Return the whole page as HTML; events: of a drive."""
-    sections = all_sections(log, errors)
+def _shadow(shadow: ShadowMetrics | None) -> str:
+    """Return the section of what would have been done; other runs have none."""
+    if shadow is None:
+        return ""
+    told = "".join(f"<p>{escape(text[0].upper() + text[1:])}.</p>" for text in shadow_texts(shadow))
+    rows = refusal_rows(shadow)
+    table = _table("", _row("th", "For", ["What stood against engaging", "What to do"]), rows, "events") if rows else ""
+    return f'<section id="shadow"><h2>What drawbar would have done</h2>{told}{table}</section>'
+
+
+def render_page(
+    log: Columns,
+    metrics: Metrics,
+    errors: Bodies[PathErrors],
+    events: Sequence[DriveEvent] = (),
+    shadow: Shadow | None = None,
+) -> str:
+    """Return the whole page as HTML; events: of a drive; shadow: of one at which drawbar only looked on."""
+    sections = all_sections(log, errors, shadow)
     started = f"{log.header.started:%d %B %Y, %H:%M %Z}"
     template = Template(resources.files(__package__).joinpath("page.html").read_text(encoding="utf-8"))
     tiles = [f'<div class="tile"><b>{escape(v)}</b><span>{escape(k)}</span></div>' for k, v in key_figures(metrics)]
     ending = "Finished" if metrics.finished else "Stopped before the end"
     return template.substitute(
-        kind="drive" if events or (log.steps and metrics.error_estimated) else "run",
+        kind="shadow drive"
+        if shadow is not None
+        else "drive"
+        if events or (log.steps and metrics.error_estimated)
+        else "run",
         title=escape(f"{log.header.path_name}, {metrics.config}"),
         facts=escape(f"{started} · configuration {origin(metrics, ' · ')} · {log.steps} steps"),
         note=escape(log.header.path_note),
@@ -110,7 +133,7 @@ def render_page(log: Columns, metrics: Metrics, errors: Bodies[PathErrors], even
         outcome=escape("; ".join([f"{ending}: {metrics.outcome}", *metrics.losses])),
         tiles="".join(tiles),
         tables=_tables(metrics),
-        events=_events(event_rows(events)),
+        events=_shadow(metrics.shadow) + _events(event_rows(events)),
         sections="\n".join(_section_html(section) for section in sections),
         configuration=escape(log.header.configuration),
         plotly=get_plotlyjs(),

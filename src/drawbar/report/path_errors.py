@@ -112,9 +112,14 @@ def true_path_errors(log: Columns) -> Bodies[PathErrors]:
     return _errors(log, "truth", np.zeros(log.steps, dtype=bool))
 
 
-def estimated_path_errors(log: Columns) -> Bodies[PathErrors]:
-    """Return the errors of both bodies as they were estimated while the autopilot was engaged; else they are NaN."""
-    return _errors(log, "estimate", ~engaged(log))
+def estimated_path_errors(log: Columns, at: NDArray[np.bool_] | None = None) -> Bodies[PathErrors]:
+    """Return the errors of both bodies as they were estimated, by default while the autopilot was engaged.
+
+    Args:
+        log: of a run.
+        at: (n,): the steps at which they are wanted; at others they are NaN.
+    """
+    return _errors(log, "estimate", ~(engaged(log) if at is None else at))
 
 
 def _errors(log: Columns, source: str, left_out: NDArray[np.bool_]) -> Bodies[PathErrors]:

@@ -8,6 +8,7 @@ from drawbar.recording.log import Columns
 from drawbar.report import style
 from drawbar.report.figures import (
     ancillary_figure,
+    compared_figure,
     error_figure,
     estimate_figure,
     heading_figure,
@@ -22,6 +23,7 @@ from drawbar.report.masts import doubt_text, mast_doubt, mounting_text
 from drawbar.report.path_errors import Bodies, PathErrors
 from drawbar.report.positions import antennas_aside, lasting_residual, position_texts, rejected_share
 from drawbar.report.scene import scene_figure
+from drawbar.report.shadow import Shadow
 from drawbar.report.style import Figure
 from drawbar.report.two_antennas import yaw_difference, yaw_text
 
@@ -81,12 +83,13 @@ def _views(log: Columns) -> list[Section]:
 
 
 def _driving(log: Columns, errors: Bodies[PathErrors]) -> list[Section]:
+    whose = "Of the driver's vehicle, at its" if log.header.shadow else "Of the"
     return [
         Section(
             name="errors",
             title="Distance from the path",
-            note="Of the points on the ground. Curves are shaded, with their curvature in 1/m where the path gives it."
-            + _doubt(log),
+            note=f"{whose} points on the ground. Curves are shaded, with their curvature in 1/m where the path gives "
+            f"it.{_doubt(log)}",
             figure=error_figure(log, errors),
         ),
         Section(
@@ -123,6 +126,20 @@ def _doubt(log: Columns) -> str:
     return "".join(f" {text[0].upper()}{text[1:]}." for text in found if text)
 
 
+def _compared(log: Columns, shadow: Shadow) -> list[Section]:
+    gaps = "Each command is drawn at the step after which it would have acted; gaps: something stood against engaging."
+    titles = {"tractor": ("Steering of the tractor", "Front wheels"), "trailer": ("Steering of the trailer", "Joint")}
+    return [
+        Section(
+            name=f"{body}-steering",
+            title=f"{title}: drawbar beside the driver",
+            note=f"{what}. {gaps}",
+            figure=compared_figure(log, body, getattr(shadow.steerings, body)),
+        )
+        for body, (title, what) in titles.items()
+    ]
+
+
 def _steering(log: Columns) -> list[Section]:
     reversed_actuator = (
         " The actuator is reversed (joint_sign = -1): the joint goes to the mirror image of its command."
@@ -142,6 +159,11 @@ def _steering(log: Columns) -> list[Section]:
             note="Actuated joint between drawbar and trailer." + reversed_actuator,
             figure=steering_figure(log, "trailer"),
         ),
+    ]
+
+
+def _laws(log: Columns) -> list[Section]:
+    return [
         Section(
             name="ancillary",
             title="What the ancillary law adds",
@@ -182,8 +204,11 @@ def _estimates(log: Columns) -> list[Section]:
     ]
 
 
-def all_sections(log: Columns, errors: Bodies[PathErrors]) -> list[Section]:
-    """Return everything the page shows of a run; what its estimator does not have leaves no empty section."""
+def all_sections(log: Columns, errors: Bodies[PathErrors], shadow: Shadow | None = None) -> list[Section]:
+    """Return everything the page shows of a run; what its estimator does not have leaves no empty section.
+
+    Of one at which drawbar only looked on, its commands beside the driver's angles come before what came of these.
+    """
     solving = Section(
         name="solve-times",
         title="Solve times",
@@ -191,5 +216,7 @@ def all_sections(log: Columns, errors: Bodies[PathErrors]) -> list[Section]:
         figure=solve_time_figure(log),
         along_path=False,
     )
-    sections = [*_views(log), *_driving(log, errors), *_steering(log), *_estimates(log), solving]
+    driving = _driving(log, errors)
+    driven = [*driving, *_steering(log)] if shadow is None else [*_compared(log, shadow), *driving]
+    sections = [*_views(log), *driven, *_laws(log), *_estimates(log), solving]
     return [section for section in sections if section.figure["data"]]

@@ -1,9 +1,12 @@
 """The figures of a run as rows of text, the same for the console and the page; a missing figure is a dash."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 from drawbar.report.metrics import ALL, Metrics, PhaseTimes
+from drawbar.report.path_errors import Bodies
+from drawbar.report.shadow import ShadowMetrics
+from drawbar.safety.causes import Cause
 
 ERROR_COLUMNS = ("mean", "rms", "sd", "95 %", "max")
 _STATISTICS = ("mean", "rms", "deviation", "p95", "max")
@@ -12,6 +15,7 @@ TIME_COLUMNS = ("median", "p99", "max")
 Row = tuple[str, list[str]]
 """a title and its cells"""
 _UNKNOWN = "–"
+_STEERINGS = {"tractor": "front wheels", "trailer": "joint"}
 
 
 def number(value: float, digits: int = 1, unit: str = "") -> str:
@@ -77,7 +81,7 @@ def time_rows(metrics: Metrics) -> list[Row]:
 
 def body_rows(metrics: Metrics) -> list[Row]:
     """Return what is one figure per body, of the tractor, then of the trailer, each with its unit."""
-    figures = (
+    figures: tuple[tuple[str, Bodies[float], float, int, str], ...] = (
         ("yaw error, RMS", metrics.yaw_rmse_rad, math.degrees(1.0), 2, "°"),
         ("mean steering rate", metrics.steering_rate_mean_rad_s, math.degrees(1.0), 1, "°/s"),
         ("on straights", metrics.steering_rate_straight_rad_s, math.degrees(1.0), 1, "°/s"),
@@ -85,6 +89,7 @@ def body_rows(metrics: Metrics) -> list[Row]:
         ("clipped commands", metrics.saturated_share, 100.0, 1, " %"),
         ("steering at its limit", metrics.at_limit_share, 100.0, 1, " %"),
         ("least tube margin", metrics.tube_margin_min, 100.0, 0, " %"),
+        *_shadow_figures(metrics.shadow),
     )
     rows = [
         (title, [number(scale * value, digits, unit) for value in (figure.tractor, figure.trailer)])
@@ -93,21 +98,71 @@ def body_rows(metrics: Metrics) -> list[Row]:
     return _known(rows)
 
 
+def _shadow_figures(shadow: ShadowMetrics | None) -> Iterator[tuple[str, Bodies[float], float, int, str]]:
+    """Yield how far apart command and driver, and driver and line were: title, figure, scale, digits and unit."""
+    if shadow is None:
+        return
+    pairs = (
+        ("driver to command", shadow.difference_rad, math.degrees(1.0), "°"),
+        ("driver to line", shadow.driver_error_m, 100.0, " cm"),
+    )
+    for title, both, scale, unit in pairs:
+        yield f"{title}, mean", Bodies(tractor=both.tractor.mean, trailer=both.trailer.mean), scale, 1, unit
+        yield f"{title}, max", Bodies(tractor=both.tractor.max, trailer=both.trailer.max), scale, 1, unit
+
+
+def refusal_rows(shadow: ShadowMetrics) -> list[Row]:
+    """Return for how long each cause stood against engaging, s, what it is, and what to do about it."""
+    causes = [(Cause[name], lasted) for name, lasted in shadow.refused_s.items()]
+    return [(number(lasted, 1, " s"), [cause.sentence, cause.advice]) for cause, lasted in causes]
+
+
+def shadow_texts(shadow: ShadowMetrics) -> list[str]:
+    """Return sentences about when a drive could have been engaged, and how its figures are to be read."""
+    if not shadow.judged_s > 0.0:
+        return ["it is not known whether anything stood against engaging: the controller never reported"]
+    estimated = [name for body, name in _STEERINGS.items() if not getattr(shadow.angle_measured, body)]
+    told = [
+        f"nothing stood against engaging for {number(100.0 * shadow.engageable_share, 0, ' %')} of "
+        f"{number(shadow.judged_s, 0, ' s')}; actuators, wiggle test and emergency stop are not judged",
+        "each command was computed where the driver had brought the vehicle, and leads the steering, which lags behind "
+        "it: together they are no course that drawbar would have driven",
+    ]
+    if estimated:
+        told.append(
+            f"the driver's angle of {' and '.join(estimated)} is estimated, as none was measured: AIO v4 boards report "
+            "theirs only while something commands them, AiO_26 boards and ISOBUS valves always"
+        )
+    return told
+
+
 def key_figures(metrics: Metrics) -> list[tuple[str, str]]:
     """Return the figures one looks for first: title and value with unit."""
-    error = metrics.error_m
+    limited = {"limited": metrics.limited_commands, "refused": metrics.refused_commands}
     return [
         ("distance driven", _in_tile(metrics.length_m, " m")),
         ("duration", _in_tile(metrics.duration_s, " s")),
         *([] if metrics.error_estimated else [("real-time factor", number(metrics.real_time_factor, 0, "×"))]),
-        (f"mean {error_name(metrics)}, tractor", number(100.0 * error.tractor[ALL].mean, 1, " cm")),
-        (f"mean {error_name(metrics)}, trailer", number(100.0 * error.trailer[ALL].mean, 1, " cm")),
+        *(_key_errors(metrics) if metrics.shadow is None else _key_differences(metrics.shadow)),
         ("fixes not believed", _counted({"stale": metrics.stale_fixes, "false": metrics.rejected_fixes})),
         ("solver failures", _counted({"": metrics.solver_failures})),
-        (
-            "commands changed by the gate",
-            _counted({"limited": metrics.limited_commands, "refused": metrics.refused_commands}),
-        ),
+        *([("commands changed by the gate", _counted(limited))] if metrics.shadow is None else []),
+    ]
+
+
+def _key_errors(metrics: Metrics) -> list[tuple[str, str]]:
+    """Return the mean error of each body."""
+    bodies = {"tractor": metrics.error_m.tractor, "trailer": metrics.error_m.trailer}
+    name = f"mean {error_name(metrics)}"
+    return [(f"{name}, {body}", number(100.0 * error[ALL].mean, 1, " cm")) for body, error in bodies.items()]
+
+
+def _key_differences(shadow: ShadowMetrics) -> list[tuple[str, str]]:
+    """Return when it could have been engaged, and the mean difference of each steering."""
+    means = {body: getattr(shadow.difference_rad, body).mean for body in _STEERINGS}
+    return [
+        ("nothing against engaging", number(100.0 * shadow.engageable_share, 0, " %")),
+        *((f"mean difference, {_STEERINGS[body]}", number(math.degrees(mean), 1, "°")) for body, mean in means.items()),
     ]
 
 

@@ -7,24 +7,20 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from isobus_devices import isobus_devices
+from recorded_rehearsal import recorded_rehearsal
 
 from drawbar.config import load_configuration
 from drawbar.driving.devices.actuators import gate_wires
-from drawbar.driving.evaluation.shadow import COMPARED, steering_differences, tell
 from drawbar.driving.messaging.process_options import GateOptions
-from drawbar.driving.stand_in.rehearsal import Rehearsal
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.machine.stand_in.can_machine import CanMachine
 from drawbar.messages import Action, SupervisorState
 from drawbar.protocols.actuator import Readiness, SteeringRequest
 from drawbar.protocols.speed_actuator import SpeedRequest
-from drawbar.recording.columns import read_columns
-from drawbar.recording.header import run_header
-from drawbar.recording.log import read_log
-from drawbar.recording.recorder import Recorder
+from drawbar.report.folder import write_report
+from drawbar.report.path_errors import Bodies
 from drawbar.safety.causes import Cause
 from drawbar.safety.wires import Wires
-from drawbar.simulation import build_path
 from drawbar.transports.open import open_can
 
 SEED = 3
@@ -83,41 +79,32 @@ def test_valves_are_heard_and_nothing_is_said_on_their_bus():
         bus.close()
 
 
-def test_it_is_never_engaged_and_tells_what_it_would_have_done(tmp_path):
-    configuration = load_configuration("articulated", ["path.radii=[8.0]", "safety.engage.wiggle_test=false"])
-    configuration = configuration.model_copy(update={"devices": isobus_devices()})
-    path, _ = build_path(configuration)
-    rehearsal = Rehearsal(configuration, path, SEED, configuration.safety, shadow=True)
-    records = [record for record, _ in rehearsal.run(18.0)]
-    for action in (Action.ARM, Action.ENGAGE):
-        rehearsal.ask(action)
-        records += [record for record, _ in rehearsal.run(1.0)]
-        assert not rehearsal.gate_state.steers
-    assert rehearsal.gate_state.state is SupervisorState.STANDBY
-    assert Cause.SHADOW.value in rehearsal.gate_state.refusals
-    with Recorder(tmp_path / "log.mcap", run_header(configuration, path, None, seed=SEED)) as log:
-        for record in records:
-            log.write(record)
-    pairs = [
-        (before.tractor_steering.command, after.measurement.tractor_steering)
+def test_it_is_never_engaged_and_its_report_tells_what_it_would_have_done(tmp_path):
+    changes = ["path.radii=[8.0]", "safety.engage.wiggle_test=false"]
+    configuration = load_configuration("articulated", changes).model_copy(update={"devices": isobus_devices()})
+    with recorded_rehearsal(configuration, tmp_path / "log.mcap", SEED, shadow=True) as (rehearsal, _):
+        records = [record for record, _ in rehearsal.run(18.0)]
+        for action in (Action.ARM, Action.ENGAGE):
+            rehearsal.ask(action)
+            records += [record for record, _ in rehearsal.run(1.0)]
+            assert not rehearsal.gate_state.steers
+        assert rehearsal.gate_state.state is SupervisorState.STANDBY
+        assert Cause.SHADOW.value in rehearsal.gate_state.refusals
+    shadow = write_report(tmp_path).shadow
+    free = shadow.judged_s * shadow.engageable_share
+    refused = shadow.judged_s - free
+    assert 17.0 < shadow.judged_s < 20.0
+    assert set(shadow.refused_s) >= {"FIX_TOO_NEW", "UNPROVED"}
+    assert not set(shadow.refused_s) & {"SHADOW", "EMERGENCY_UNTRIED", "WIGGLE_UNTRIED"}
+    assert max(shadow.refused_s.values()) <= refused + 1e-6 <= sum(shadow.refused_s.values())
+    amounts = [
+        abs(before.tractor_steering.command - after.measurement.tractor_steering)
         for before, after in pairwise(records)
-        if before.status.is_new_command
+        if after.measurement.time > records[-1].measurement.time - free
     ]
-    amounts = [abs(wish - angle) for wish, angle in pairs if math.isfinite(angle)]
-    for read in (read_log(tmp_path / "log.mcap"), read_columns(tmp_path / "log.mcap", COMPARED)):
-        tractor, trailer = steering_differences(read)
-        assert tractor.steps == len(amounts) > 60
-        assert tractor.mean == pytest.approx(np.mean(amounts), rel=1e-5)
-        assert tractor.largest == pytest.approx(max(amounts), rel=1e-5)
-        assert trailer.largest > 0.01
-        assert f"{math.degrees(tractor.mean):.1f}° on average" in tell(tractor)
-
-
-def test_without_measured_angles_that_is_said(tmp_path):
-    configuration = load_configuration("articulated")
-    path, _ = build_path(configuration)
-    with Recorder(tmp_path / "log.mcap", run_header(configuration, path, None, seed=SEED)):
-        pass
-    tractor, _ = steering_differences(read_log(tmp_path / "log.mcap"))
-    assert tractor.steps == 0
-    assert "no measured angle was received" in tell(tractor)
+    assert shadow.angle_measured == Bodies(tractor=True, trailer=True)
+    assert abs(shadow.compared_steps.tractor - len(amounts)) <= 2
+    assert shadow.compared_steps.tractor > 30
+    assert shadow.difference_rad.tractor.mean == pytest.approx(np.mean(amounts), rel=0.1)
+    assert shadow.difference_rad.trailer.max > 0.01
+    assert 0.0 < shadow.driver_error_m.tractor.mean < shadow.driver_error_m.tractor.max < 1.0

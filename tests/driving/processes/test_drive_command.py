@@ -1,5 +1,6 @@
 """`drawbar drive` as a program at a terminal: however it is ended, in order, and with a report."""
 
+import json
 import os
 import shutil
 import signal
@@ -134,6 +135,15 @@ def test_a_folder_with_umlauts_and_blanks_is_recorded_into_where_text_is_not_utf
     ended = subprocess.run(command, capture_output=True, cwd=tmp_path, timeout=ENGAGE, env=surroundings, check=False)
     assert ended.returncode == 0, ended.stdout
     assert read_log(tmp_path / "Feld für heute" / "ö 1" / "log.mcap").records
+
+
+def test_a_shadow_drive_ends_with_what_drawbar_would_have_done(tmp_path):
+    command = [sys.executable, "-m", "drawbar", "drive", "--shadow", "--pace", "2", "--seconds", "8", "--out", "run"]
+    ended = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, cwd=tmp_path, check=False)
+    assert ended.returncode == 0, ended.stderr
+    assert "drawbar only looked on:" in ended.stdout
+    assert json.loads((tmp_path / "run" / "metrics.json").read_text())["shadow"]["judged_s"] > 1.0
+    assert read_log(tmp_path / "run").header.shadow
 
 
 @pytest.mark.parametrize(

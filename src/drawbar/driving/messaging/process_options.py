@@ -39,6 +39,8 @@ class ProcessOptions(PacedOptions):
     """port of this computer on which the recorder shows what it records; None: it does not"""
     stand_ins: bool = False
     """its devices are stand-ins of this drive, gone after it"""
+    shadow: bool = False
+    """drawbar only looks on"""
 
     def socket(self, name: str) -> str:
         """Return the path of a process's socket."""

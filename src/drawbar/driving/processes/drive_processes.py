@@ -79,7 +79,7 @@ class DriveProcesses:
         """
         assert configuration.devices is not None
         self.configuration, self._run = configuration, run
-        self._stand_ins, self._shadow, self._console, self._pair = stand_ins, shadow, console, pair
+        self._stand_ins, self._console, self._pair = stand_ins, console, pair
         self.by_name: dict[str, subprocess.Popen[bytes]] = {}
         self.killed: list[str] = []
         """names of processes that did not end when they were told to"""
@@ -92,6 +92,7 @@ class DriveProcesses:
             stand_ins=stand_ins,
             pace=pace,
             live=live,
+            shadow=shadow,
         )
 
     def __enter__(self) -> Self:
@@ -131,7 +132,7 @@ class DriveProcesses:
         ours, theirs = self._pair()
         with ours, theirs:
             of_gate = gate_options(
-                self.configuration, self._folder.name, theirs.fileno(), self.options.pace, shadow=self._shadow
+                self.configuration, self._folder.name, theirs.fileno(), self.options.pace, shadow=self.options.shadow
             )
             self._start("guard", "driving.processes.guard_main", of_gate.model_dump_json())
             self._await("guard", GUARD)

@@ -68,7 +68,7 @@ def _live(port: int | None) -> Live | None:
 def _log(configuration: Configuration, options: ProcessOptions, live: Live | None) -> DriveLog:
     path, drivable = build_path(configuration)
     frame = local_frame(configuration)
-    header = run_header(configuration, path, drivable, seed=0, frame=frame)
+    header = run_header(configuration, path, drivable, seed=0, frame=frame, shadow=options.shadow)
     reach = tube_reach(build_tubes(configuration), configuration.vehicle)
     scene = Scene(path=path, vehicle=configuration.vehicle, frame=frame, reach=reach)
     return DriveLog(Path(options.run) / LOG_NAME, header, scene, live, clock=options.clock)
