@@ -25,6 +25,7 @@ UNIT = """
 #include "unit.h"
 struct component { struct yaw_sensor sensor; double judged; };
 #define COMPONENT_FIELDS FIELD(component, judged, 0, 1, 0, 0) FIELD(component, sensor.error, 0, 1, 0, 0) \\
+    FIELD(component, sensor.change, 0, 1, 0, 0) \\
     FIELD(component, sensor.latency, 0, 1, 0, 0) SETTING(component, sensor.gate, 0, 1, 0, 0)
 int UNIT(judged)(struct component *component, double measured, const struct yaw_known *known, double elapsed)
 {
@@ -57,6 +58,10 @@ class Sensor(Alone):
         return float(self.live.array("sensor.error").item())
 
     @property
+    def change(self) -> float:
+        return float(self.live.array("sensor.change").item())
+
+    @property
     def latency(self) -> float:
         return float(self.live.array("sensor.latency").item())
 
@@ -79,6 +84,26 @@ def test_the_mountings_error_is_found_where_both_bodies_have_fixes() -> None:
         answer = sensor.judged(wrap(yaw + off), yaw, shown, rate=0.3 * math.sin(yaw))
     assert sensor.error == pytest.approx(-off, abs=math.radians(0.3))
     assert answer == pytest.approx(yaw, abs=math.radians(0.3))
+
+
+def changes(off: float, bump: float) -> list[float]:
+    """Return what is told of the error's change at each sample of two minutes, rad; after one it changes by `bump`."""
+    rng, sensor, told = np.random.default_rng(7), Sensor(), list[float]()
+    for sample in range(600):
+        yaw = 0.01 * sample
+        shown, wrong = wrap(yaw + rng.normal(0.0, math.radians(1.5))), off + (bump if sample >= 300 else 0.0)
+        sensor.judged(wrap(yaw + wrong), yaw, shown)
+        told.append(sensor.change)
+    return told
+
+
+@pytest.mark.parametrize("bump", [-0.052, 0.052])
+def test_a_change_of_a_known_error_is_told_within_seconds_and_a_constant_one_is_none(bump: float) -> None:
+    constant, changed = np.array(changes(0.05, 0.0)), np.array(changes(0.05, bump))
+    assert np.abs(constant).max() < math.radians(1.0)
+    assert np.count_nonzero(constant) > 500
+    np.testing.assert_array_equal(changed[:300], constant[:300])
+    assert (-np.sign(bump) * changed[330:360] > math.radians(1.5)).all()
 
 
 @pytest.mark.parametrize(("yaw_late", "fixes_late", "corrected"), [(0.2, 0.0, 0.0), (0.0, 0.2, 0.0), (0.3, 0.2, 0.2)])

@@ -77,6 +77,8 @@ CAUSES_DE: Mapping[Cause, tuple[str, str]] = {
     Cause.RECEIVER_TIMES: ("die Epochen der Empfänger sind nie von derselben Zeit",
         "beide laufen lassen, bis sie UTC und deren Schaltsekunden kennen, bis zu 13 Minuten; drawbar check nennt "
         "den Abstand"),
+    Cause.YAW_CHANGED: ("die Richtung beider Antennen hat sich gegen Positionen und Winkel verdreht",
+        "nachsehen, ob beide Antennen und die Sensoren von Kupplung und Gelenk fest sind, dann neu kalibrieren"),
     Cause.TOO_SLOW: ("das Fahrzeug steht oder ist zu langsam",
         "anfahren, dann einschalten"),
     Cause.TOO_FAST: ("das Fahrzeug ist zu schnell",

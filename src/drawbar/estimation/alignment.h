@@ -29,7 +29,7 @@ struct component {
     SETTING(component, fix_age, 0, 1, 0, 0) POSITION_ALIGNMENT_FIELDS(component, positions)                            \
     SETTING(component, yaw.gate, 0, 1, 0, 0)                                                                           \
     FIELD(component, yaw.error, 0, 1, 0, 0) FIELD(component, yaw.latency, 0, 1, 0, 0)                                  \
-    FIELD(component, yaw_rate.exclusion, 0, 1, 0, 0)
+    FIELD(component, yaw.change, 0, 1, 0, 0) FIELD(component, yaw_rate.exclusion, 0, 1, 0, 0)
 
 /* The estimated latency of fixes beyond their age, s. */
 static inline double fix_latency(const struct component *alignment)

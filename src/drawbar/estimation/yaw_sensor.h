@@ -4,7 +4,8 @@
  * bodies and the angles between them give a reference for the yaw, a Kalman filter estimates both: the mounting's error is the
  * same at all yaw rates, and what the age causes is in proportion to the yaw rate. In turns the yaw is used once its age is known:
  * the loop swings by one that is late. Where the tractor has the only receiver both errors are not observable, and the estimated
- * side-slip absorbs them. A yaw outside its gate, as with wrong ambiguities, is rejected.
+ * side-slip absorbs them. A yaw outside its gate, as with wrong ambiguities, is rejected. Once the mounting's error is known the
+ * references show whether it has changed, as of an antenna that was bumped: the filter follows such a change in minutes only.
  */
 #ifndef DRAWBAR_YAW_SENSOR_H
 #define DRAWBAR_YAW_SENSOR_H
@@ -16,6 +17,8 @@
 #define YAW_REFERENCE_NOISE 0.026          /* standard deviation of one reference, rad */
 #define YAW_ERROR_PRIOR 0.015              /* prior standard deviation of the mounting's error, rad */
 #define YAW_ERROR_WALK 1.2e-4              /* its random walk, rad per square root of a second */
+#define YAW_ERROR_KNOWN 0.003              /* standard deviation of the mounting's error from which on it is known, rad */
+#define YAW_CHANGE_TIME 5.0                /* over which its change is averaged, s */
 #define YAW_LATENCY_PRIOR 0.1              /* prior standard deviation of the latency, s */
 #define YAW_LATE_MOST 0.0087               /* most that an unknown age may make of a yaw that is used beside a reference, rad */
 #define YAW_LATENCY_WALK 0.002             /* its random walk, s per square root of a second */
@@ -32,6 +35,7 @@ struct yaw_sensor {
     double error;                          /* of the mounting, clockwise, rad */
     double latency;                        /* beyond the reported age, and beyond that of the fixes, s */
     double error_variance, latency_variance, covariance;
+    double change;                         /* of the error since it is known, as recent references show it, rad */
 };
 
 /* By how much the yaw is older than reported, as far as that is significant, s. Below zero the fixes are: the yaw is then taken
@@ -57,6 +61,8 @@ static inline void yaw_compare(struct yaw_sensor *sensor, const struct yaw_known
 
     if (!(fabs(innovation) <= YAW_REFERENCE_GATE))
         return;
+    if (sensor->error_variance < YAW_ERROR_KNOWN * YAW_ERROR_KNOWN)
+        sensor->change += fmin(elapsed / YAW_CHANGE_TIME, 1.0) * (innovation - sensor->change);
     sensor->error_variance += elapsed * YAW_ERROR_WALK * YAW_ERROR_WALK;
     sensor->latency_variance += elapsed * YAW_LATENCY_WALK * YAW_LATENCY_WALK;
     const double error = sensor->error_variance + rate * sensor->covariance;

@@ -115,6 +115,8 @@ class Cause(Enum):
         "then start drawbar again")
     RECEIVER_TIMES = (223, False, Response.NOTIFY, "the receivers' epochs are never of the same time",
         "let both run until they know UTC and its leap seconds, up to 13 minutes; drawbar check tells the difference")
+    YAW_CHANGED = (224, False, Response.NOTIFY, "the two antennas' heading has turned against positions and angles",
+        "see whether both antennas and the sensors of hitch and joint are firm, then calibrate them again")
 
     TOO_SLOW = (301, True, Response.NONE, "the vehicle stands or is too slow",
         "begin to drive, then engage")

@@ -21,6 +21,8 @@ from drawbar.simulation import build_path
 
 NOTHING = SimpleNamespace(excludes_positions=False, excludes_trailer=False, steering_contradicts=False)
 ALL_RIGHT = {"drifts": False, "mirrored": False, "far_apart": False}
+NUMBERS = ("yaw.error", "yaw.latency", "yaw.change", "yaw_rate.exclusion")
+"""of an alignment, that are read"""
 ACCEPTED, REJECTED = FixStatus.ACCEPTED, FixStatus.REJECTED
 
 
@@ -28,7 +30,7 @@ class Told:
     """Notices with an alignment whose numbers are given."""
 
     def __init__(self, *, has_trailer_receiver=True):
-        self.numbers = {name: np.zeros(1) for name in ("yaw.error", "yaw.latency", "yaw_rate.exclusion")}
+        self.numbers = {name: np.zeros(1) for name in NUMBERS}
         self.time, self.yaw, self.rate = 0.0, 0.5, 0.0  # of the estimate: s, rad, rad/s
         live = SimpleNamespace(array=self.numbers.__getitem__)
         self.notices = Notices(
@@ -36,14 +38,15 @@ class Told:
             has_trailer_receiver=has_trailer_receiver,
         )
 
-    def step(self, *, fixes=(ACCEPTED, ACCEPTED), yaw=math.nan, age=0.0, exclusion=NOTHING, **found):
+    def step(self, *, fixes=(ACCEPTED, ACCEPTED), yaw=math.nan, roll=0.0, age=0.0, exclusion=NOTHING, **found):
         """Let a step pass; return what is told."""
         self.time += 0.2
         self.yaw += 0.2 * self.rate
         estimate = SimpleNamespace(
             tractor_fix=fixes[0], trailer_fix=fixes[1], tractor=SimpleNamespace(yaw=self.yaw), time=self.time
         )
-        measurement = replace(measured(0.0, 0.0, 0.0, 0.0), tractor_yaw=yaw, tractor_attitude_age=age)
+        attitude = {"tractor_yaw": yaw, "tractor_roll": roll, "tractor_attitude_age": age}
+        measurement = replace(measured(0.0, 0.0, 0.0, 0.0), **attitude)
         self.notices.update(SimpleNamespace(estimate=estimate, measurement=measurement), exclusion, **ALL_RIGHT | found)
         assert len(self.notices.codes) == MOST
         return [BY_CODE[code] for code in self.notices.codes if code]
@@ -125,6 +128,15 @@ def test_a_yaw_beyond_what_is_believed_is_reported(told):
     assert told.step(yaw=math.nan) == []
 
 
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_a_yaw_that_has_turned_is_reported_where_a_roll_tells_that_no_slope_does_it(told, sign):
+    told.numbers["yaw.change"][0] = sign * math.radians(1.4)
+    assert told.step() == []
+    told.numbers["yaw.change"][0] = sign * math.radians(1.6)
+    assert told.step(roll=math.nan) == []
+    assert told.step() == [Cause.YAW_CHANGED]
+
+
 @pytest.mark.parametrize(("reported", "latency"), [(0.4, 0.0), (0.0, 0.4), (0.2, 0.2)])
 def test_a_late_yaw_is_believed_in_a_turn_and_a_wrong_one_is_not(told, reported, latency):
     told.numbers["yaw.latency"][0], told.rate = latency, 0.3
@@ -152,9 +164,10 @@ def test_mirrored_front_wheels_are_reported_instead_of_the_trailers_angles(told)
     assert told.step(mirrored=True) == [Cause.STEERING_MIRRORED]
 
 
-def engaged():
+def engaged(*changes):
     """Return a rehearsal that has been steered for two seconds."""
-    configuration = load_configuration("articulated", ["safety.engage.wiggle_test=false", "safety.engage.fixed=1.0"])
+    given = ["safety.engage.wiggle_test=false", "safety.engage.fixed=1.0", *changes]
+    configuration = load_configuration("articulated", given)
     path, _ = build_path(configuration)
     rehearsal = Rehearsal(configuration, path, 1, configuration.safety)
     while rehearsal.gate_state is None or rehearsal.gate_state.state is not SupervisorState.ACTIVE:
@@ -203,3 +216,16 @@ def test_where_nothing_is_heard_any_more_the_operator_is_told_of_all():
     assert notices(rehearsal) == []
     list(rehearsal.run(1.0))
     assert notices(rehearsal) == [Cause.RECEIVER_SILENT, Cause.SENSOR_SILENT]
+
+
+@pytest.mark.parametrize("degrees", [0.0, 3.0])
+def test_an_antenna_that_is_bumped_is_told_while_driving(degrees):
+    attitude = "machine.attitude={tractor={present=true},yaw={present=true}}"
+    rehearsal = engaged(attitude, "machine.terrain.slope=0.05", "vehicle.masts={tractor={up=2.5},trailer={up=2.0}}")
+    list(rehearsal.run(20.0))
+    assert notices(rehearsal) == []
+    turn = math.radians(degrees)
+    report_otherwise(rehearsal.machine, lambda report, since: replace(report, yaw=report.yaw + turn), ["tractor"])
+    list(rehearsal.run(10.0))
+    assert notices(rehearsal) == ([Cause.YAW_CHANGED] if degrees else [])
+    assert rehearsal.gate_state.state is SupervisorState.ACTIVE

@@ -26,6 +26,8 @@ _NOTHING = 1.5
 """the same where nothing at all arrives any more, as when one cable carries everything, s: receivers may have 1 Hz"""
 _UNPAIRED = 2.0
 """without an epoch of both receivers, after which their times are reported, s"""
+_CHANGED = math.radians(1.5)
+"""of the tractor's yaw by two antennas against fixes and angles, rad; of sound ones below 1.3° with roll measured"""
 _TURN = 0.5
 """longest between two estimates that show how fast the tractor turns, s"""
 _KEPT = frozenset(
@@ -144,6 +146,9 @@ class Notices:
         present = dict.fromkeys(self._present(exclusion, drifts=drifts))
         if far_apart:
             present[Cause.ANTENNA_DISTANCE] = None
+        # where nothing shows how the masts lean, a slope turns the line of both antennas too
+        if math.isfinite(record.measurement.tractor_roll) and abs(self._number("yaw.change")) > _CHANGED:
+            present[Cause.YAW_CHANGED] = None
         if mirrored:  # the trailer's angles contradict an estimate that is turned the wrong way
             present = dict.fromkeys([Cause.STEERING_MIRRORED]) | present
             present.pop(Cause.TRAILER_CONTRADICTS, None)
