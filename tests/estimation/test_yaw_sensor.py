@@ -102,6 +102,7 @@ def test_a_change_of_a_known_error_is_told_within_seconds_and_a_constant_one_is_
     constant, changed = np.array(changes(0.05, 0.0)), np.array(changes(0.05, bump))
     assert np.abs(constant).max() < math.radians(1.0)
     assert np.count_nonzero(constant) > 500
+    assert not constant[:50].any(), "the error is not known yet"
     np.testing.assert_array_equal(changed[:300], constant[:300])
     assert (-np.sign(bump) * changed[330:360] > math.radians(1.5)).all()
 
