@@ -38,6 +38,7 @@ TESTS = {
     "machine_gate": (
         "test_operator_requests.py",
         "test_gate_speed.py",
+        "test_gate_edges.py",
         "test_machine_gate.py",
         "test_gate_endings.py",
         "test_safety_settings.py",

@@ -112,7 +112,7 @@ class Gate:
             self._counts.dropped += isinstance(message, Flaw)
         return urgent
 
-    def tick(self, now: float, late: float = 0.0) -> None:
+    def tick(self, now: float, late: float) -> None:
         """Decide what is to be done now, and command it; `late` by s after it was due."""
         self._look_at_oneself(now, late)
         actuation, before = self._actuation(now), self.engagement.state
