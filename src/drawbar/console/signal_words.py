@@ -46,6 +46,7 @@ QUANTITIES: Mapping[str, tuple[str, str, str]] = {
     "fix_quality": ("Quality of the fix, 5 is RTK fixed", "Güte der Position, 5 ist RTK Fix", ""),
     "fix_age": ("Age of the fix", "Alter der Position", "s"),
     "fix_latency": ("Unreported latency of the fixes", "Nicht gemeldeter Verzug der Positionen", "s"),
+    "hitch_latency": ("Unreported latency of the hitch angle", "Nicht gemeldeter Verzug des Knickwinkels", "s"),
     "body_lag": ("Lag of the body behind its wheels", "Nachlauf des Rumpfs hinter den Rädern", "s"),
     "body_lag_deviation": ("Uncertainty of that lag", "Unsicherheit dieses Nachlaufs", "s"),
     "fix": ("What became of the fix, 0 is used", "Was aus der Position wurde, 0: genutzt", ""),

@@ -1,13 +1,15 @@
 /* Alignment: from measured values to those that the sensors would measure at the points on the ground, now.
  *
  * Positions: position_alignment.h. The other sensors' values change by what is expected of their quantities since they were
- * measured (between_samples.h), the tractor's yaw and yaw rate without their sensors' errors (yaw_alignment.h).
+ * measured (between_samples.h), the hitch angle as far as its own latency is found (hitch_latency.h), the tractor's yaw and yaw
+ * rate without their sensors' errors (yaw_alignment.h).
  */
 #ifndef DRAWBAR_ALIGNMENT_H
 #define DRAWBAR_ALIGNMENT_H
 
 #include "ages.h"
 #include "fix_deviation.h"
+#include "hitch_latency.h"
 #include "position_alignment.h"
 #include "unit.h"
 #include "yaw_alignment.h"
@@ -22,6 +24,7 @@ struct component {
     struct yaw_rate_sensor yaw_rate;       /* the tractor's */
     struct rate_history rates;             /* the tractor's, by the wheels */
     struct yaw_residual yaw_residual;
+    struct hitch_latency hitch;            /* of the hitch angle */
 };
 
 #define COMPONENT_FIELDS                                                                                          \
@@ -29,7 +32,8 @@ struct component {
     SETTING(component, fix_age, 0, 1, 0, 0) POSITION_ALIGNMENT_FIELDS(component, positions)                            \
     SETTING(component, yaw.gate, 0, 1, 0, 0)                                                                           \
     FIELD(component, yaw.error, 0, 1, 0, 0) FIELD(component, yaw.latency, 0, 1, 0, 0)                                  \
-    FIELD(component, yaw.change, 0, 1, 0, 0) FIELD(component, yaw_rate.exclusion, 0, 1, 0, 0)
+    FIELD(component, yaw.change, 0, 1, 0, 0) FIELD(component, yaw_rate.exclusion, 0, 1, 0, 0)                                           \
+    FIELD(component, hitch.latency, 0, 1, 0, 0)
 
 /* The estimated latency of fixes beyond their age, s. */
 static inline double fix_latency(const struct component *alignment)
@@ -44,17 +48,35 @@ static inline double age_of_fix(const struct component *alignment, double report
     return age >= 0.0 && age <= OLDEST ? age : (double)NAN;
 }
 
-/* Bring the values of all sensors but the receivers up to now, in place. */
-static inline void align_angles(const struct sample_interval *interval, struct drawbar_measurement *m)
+/* Bring the values of all sensors but the receivers up to now, in place. latency: of the hitch angle beyond its age, s. */
+static inline void align_angles(const struct sample_interval *interval, double latency, struct drawbar_measurement *m)
 {
     const struct drawbar_estimate *last = interval->last, *now = interval->expected;
+    const double hitch_age = isnan(m->hitch_angle_age) ? latency : m->hitch_angle_age + latency;
 
-    m->hitch_angle = brought_up(interval, m->hitch_angle, m->hitch_angle_age, last->hitch_angle, now->hitch_angle);
+    m->hitch_angle = brought_up(interval, m->hitch_angle, hitch_age, last->hitch_angle, now->hitch_angle);
     m->speed = brought_up(interval, m->speed, m->speed_age, last->speed, now->speed);
     m->tractor_steering = brought_up(interval, m->tractor_steering, m->tractor_steering_age, last->tractor_steering,
                                      now->tractor_steering);
     m->trailer_steering = brought_up(interval, m->trailer_steering, m->trailer_steering_age, last->trailer_steering,
                                      now->trailer_steering);
+}
+
+/* Learn how late the hitch angle is, from what is brought up to now. */
+static inline void learn_hitch_latency(struct component *alignment, const struct sample_interval *interval,
+                                       const struct drawbar_measurement *m)
+{
+    const struct drawbar_estimate *last = interval->last, *now = interval->expected;
+    const double missing = fixes_are_coarse(m) ? (double)NAN : 0.0;
+    const struct hitch_sample sample = {
+        .points = {m->tractor_x + missing, m->tractor_y + missing, m->trailer_x + missing, m->trailer_y + missing},
+        .yaw = now->tractor.yaw,
+        .gamma = m->hitch_angle + m->trailer_steering,
+        .bent = now->hitch_angle - last->hitch_angle,
+        .creep = now->creep,
+    };
+
+    hitch_latency_take(&alignment->hitch, &sample, alignment->positions.to_axle, interval->elapsed);
 }
 
 /* Set the standard deviation of each fix, already on the ground; drop what is no fix. */
@@ -139,6 +161,7 @@ void UNIT(report)(const struct component *alignment, struct drawbar_actuation *f
     const struct roll_zero trailer = roll_zero(&alignment->positions, ALIGNED_TRAILER);
 
     found->fix_latency = fix_latency(alignment);
+    found->hitch_latency = alignment->hitch.latency;
     found->tractor_roll_offset = tractor.value;
     found->tractor_roll_deviation = tractor.deviation;
     found->trailer_roll_offset = trailer.value;
@@ -181,7 +204,8 @@ int UNIT(apply)(struct component *alignment, const struct drawbar_measurement *m
     aligned->trailer_x = trailer[0];
     aligned->trailer_y = trailer[1];
     judge_deviations(alignment, expected, aligned);
-    align_angles(&interval, aligned);
+    align_angles(&interval, alignment->hitch.latency, aligned);
+    learn_hitch_latency(alignment, &interval, aligned);
     align_yaw(&alignment->yaw, &alignment->chain, &interval, fix_latency(alignment), aligned);
     align_yaw_rate(&alignment->yaw_rate, &alignment->rates, &alignment->yaw_residual, &alignment->chain, &interval,
                    aligned);

@@ -18,13 +18,18 @@ static inline double wheels_yaw_rate(const struct chain *chain, const struct dra
     return tractor_yaw_rate(estimate, estimate->longitudinal_slip * estimate->speed, chain->wheelbase);
 }
 
+/* Whether a fix is too coarse for a reference. */
+static inline int fixes_are_coarse(const struct drawbar_measurement *m)
+{
+    return fmax(m->tractor_fix_deviation, m->trailer_fix_deviation) > COARSE_REFERENCE;
+}
+
 /* The tractor's yaw by fixes and angles, rad; NaN where one of them is missing or coarse. */
 static inline double yaw_of_fixes(const struct chain *chain, const struct drawbar_measurement *m)
 {
-    const int coarse = fmax(m->tractor_fix_deviation, m->trailer_fix_deviation) > COARSE_REFERENCE;
     double tractor, trailer;
 
-    if (coarse || !isfinite(m->hitch_angle + m->trailer_steering)
+    if (fixes_are_coarse(m) || !isfinite(m->hitch_angle + m->trailer_steering)
         || !yaws_at_rest(chain, m, &tractor, &trailer))
         return (double)NAN;
     return tractor;

@@ -247,6 +247,8 @@ class Actuation:
     """that plans assume"""
     fix_latency: Seconds = 0.0
     """identified by the yaw-rate sensor, beyond the age that receivers or `sensors.fixes.age` state"""
+    hitch_latency: Seconds = 0.0
+    """of the hitch angle, identified by the ways of both antennas, beyond its reported age"""
     tractor_roll_offset: Radians = 0.0
     """identified zero of the tractor's roll sensor, beyond the stated offset"""
     tractor_roll_deviation: Radians = 0.0

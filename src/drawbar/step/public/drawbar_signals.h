@@ -270,6 +270,8 @@ struct drawbar_actuation {
     double trailer_rate;                /* that plans assume, rad/s */
     double fix_latency;                 /* identified by the yaw-rate sensor, beyond the age that receivers or
                                          * `sensors.fixes.age` state, s */
+    double hitch_latency;               /* of the hitch angle, identified by the ways of both antennas, beyond its
+                                         * reported age, s */
     double tractor_roll_offset;         /* identified zero of the tractor's roll sensor, beyond the stated offset,
                                          * rad */
     double tractor_roll_deviation;      /* standard deviation, rad */

@@ -1,0 +1,353 @@
+"""The latency of the hitch angle that no sensor tells: found from the ways of both axles, and brought up to now."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from alignment import Alignment
+from alone import Alone
+from c_signals import Real
+from ordinary import believed, measured
+
+from drawbar.codegen import Unit
+from drawbar.config import load_configuration
+from drawbar.geometry import Floats, wrap
+from drawbar.signals import Pose
+from drawbar.simulation import simulate
+from drawbar.vehicle.articulated import trailer_antenna, trailer_yaw_rate
+from drawbar.vehicle.lengths import length_values
+from drawbar.vehicle.parameters import VehicleParameters
+
+UNIT = """
+#include "hitch_latency.h"
+#include "unit.h"
+struct component { struct hitch_latency hitch; double points[4]; };
+#define COMPONENT_FIELDS FIELD(component, hitch.latency, 0, 1, 0, 0) FIELD(component, points, 0, 4, 0, 0) \\
+    FIELD(component, hitch.state, 0, HITCH_STATES, 0, 0) \\
+    FIELD(component, hitch.covariance, 0, HITCH_STATES, HITCH_STATES, 0)
+int UNIT(taken)(struct component *component, double yaw, double gamma, double bent, double creep, double ahead,
+                double elapsed)
+{
+    struct hitch_sample sample = {.yaw = yaw, .gamma = gamma, .bent = bent, .creep = creep};
+
+    memcpy(sample.points, component->points, sizeof sample.points);
+    hitch_latency_take(&component->hitch, &sample, ahead, elapsed);
+    return 0;
+}
+"""
+SAMPLE, PARTS = 0.2, 20
+DEGREE = math.pi / 180.0
+VEHICLE = VehicleParameters()
+LENGTHS = length_values(VEHICLE)
+
+
+class Hitch(Alone):
+    """What finds the latency, by itself."""
+
+    def __init__(self) -> None:
+        super().__init__(Unit(name="hitch_latency", source=UNIT, configure=lambda workspace: None))
+
+    def take(
+        self, points: Floats, yaw: float, gamma: float, bent: float, *, creep: float = 0.0, elapsed: float = SAMPLE
+    ) -> None:
+        """Take in positions (4,) of both bodies, m, the angles and the expected change of the hitch angle, rad."""
+        self.live.array("points")[:] = points
+        self.call("taken", *map(Real, (yaw, gamma, bent, creep, VEHICLE.trailer_antenna, elapsed)))
+
+    @property
+    def found(self) -> Floats:
+        """Unexplained distance, m; constant error, rad; error of the scale; latency, s."""
+        return self.live.array("hitch.state").copy()
+
+    @property
+    def deviation(self) -> float:
+        """Of the latency, s."""
+        return math.sqrt(self.live.array("hitch.covariance")[3, 3])
+
+    @property
+    def latency(self) -> float:
+        """Corrected for, s."""
+        return float(self.live.array("hitch.latency").item())
+
+
+@dataclass(frozen=True)
+class Drive:
+    """A drive of tractor and trailer, at parts of a sample each: what is true."""
+
+    points: Floats
+    """(n, 4): x, y of the rear axle and of the trailer's point, m"""
+    yaw: Floats
+    """(n,) rad"""
+    hitch: Floats
+    """(n,) rad"""
+    joint: Floats
+    """(n,) rad"""
+
+    def hitch_at(self, k: int, age: float) -> float:
+        """Return the hitch angle at a sample, so long ago (s), rad."""
+        return float(np.interp((k - age / SAMPLE) * PARTS, np.arange(self.hitch.size), self.hitch))
+
+
+def drive(samples: int, speed: float = 2.0, creep: float = 0.0, curve: float = 0.25, weave: float = 0.1) -> Drive:
+    """Return a drive along an eight on which the tractor and the joint weave.
+
+    Args:
+        samples: their number.
+        speed: m/s.
+        creep: side-slip by lateral acceleration, rad/g.
+        curve: yaw rate on the circles, rad/s.
+        weave: yaw rate on top, rad/s; the joint's angle, rad.
+    """
+    x = y = yaw = psi = turn = 0.0
+    points, yaws, hitches, joints = [], [], [], []
+    step = SAMPLE / PARTS
+    for k in range(samples * PARTS):
+        time = k * step
+        lap = (time + 30.0) % 40.0
+        rate = weave * math.sin(0.9 * time) + (curve if lap < 15.0 else -curve if 20.0 <= lap < 35.0 else 0.0)
+        joint, joint_rate = weave * math.sin(0.5 * time), 0.5 * weave * math.cos(0.5 * time)
+        crab, trailer_crab = -creep * speed * rate / 9.81, -creep * speed * turn / 9.81
+        points.append([x, y, *map(float, trailer_antenna(LENGTHS, x, y, yaw, psi, joint))])
+        yaws.append(yaw)
+        hitches.append(yaw - psi - joint)
+        joints.append(joint)
+        turn = float(trailer_yaw_rate(LENGTHS, speed, rate, yaw - psi, joint, joint_rate, crab, trailer_crab))
+        x += step * speed * math.cos(yaw + 0.5 * step * rate + crab) / math.cos(crab)
+        y += step * speed * math.sin(yaw + 0.5 * step * rate + crab) / math.cos(crab)
+        yaw, psi = yaw + step * rate, psi + step * turn
+    return Drive(np.array(points), np.array(yaws), np.array(hitches), np.array(joints))
+
+
+@pytest.fixture(scope="module")
+def eight() -> Drive:
+    """Two minutes of it at 2 m/s."""
+    return drive(600)
+
+
+def follow(
+    hitch: Hitch,
+    driven: Drive,
+    latency: float,
+    *,
+    offset: float = 0.0,
+    scale: float = 1.0,
+    fix_latency: float = 0.0,
+    creep: float = 0.0,
+    every: int = 1,
+    seen: Callable[[int, Floats, float], tuple[Floats, float]] = lambda k, points, angle: (points, angle),
+    seed: int = 3,
+) -> list[float]:
+    """Drive with a late hitch angle that is brought up by what is corrected for; return that at each sample, s.
+
+    Args:
+        hitch: finds the latency.
+        driven: the true drive.
+        latency: of the hitch angle, s.
+        offset: constant error of the hitch angle, rad.
+        scale: measured per true.
+        fix_latency: of the fixes, s.
+        creep: that is known, rad/g.
+        every: a new fix comes with each so manieth sample; the last one is repeated in between.
+        seen: from index, positions and hitch angle to those that are measured.
+        seed: of the noise.
+    """
+    rng, reckoned, shown = np.random.default_rng(seed), [], np.zeros(4)
+    for k in range(2, len(driven.yaw) // PARTS):
+        now, before = driven.hitch_at(k, 0.0), driven.hitch_at(k, SAMPLE)
+        noisy = driven.points[round((k - fix_latency / SAMPLE) * PARTS)] + rng.normal(0.0, 0.02, 4)
+        shown = noisy if k % every == 0 else shown
+        angle = scale * driven.hitch_at(k, latency) + offset + rng.normal(0.0, 0.5 * DEGREE)
+        points, angle = seen(k, shown, angle)
+        angle += hitch.latency / SAMPLE * (now - before)
+        yaw = wrap(driven.yaw[k * PARTS] + rng.normal(0.0, 0.5 * DEGREE))
+        hitch.take(points, yaw, angle + driven.joint[k * PARTS], now - before, creep=creep)
+        reckoned.append(hitch.latency)
+    return reckoned
+
+
+@pytest.mark.parametrize(("offset", "scale"), [(0.0, 1.0), (1.5, 1.05), (-2.0, 0.9)])
+@pytest.mark.parametrize("latency", [0.0, 0.1, 0.2])
+def test_it_is_found_and_reckoned_with_as_far_as_it_is_sure(
+    eight: Drive, latency: float, offset: float, scale: float
+) -> None:
+    reckoned = follow(hitch := Hitch(), eight, latency, offset=offset * DEGREE, scale=scale)
+    assert hitch.found[3] == pytest.approx(latency, abs=0.03)
+    assert max(latency - 0.06, 0.0) <= hitch.latency <= latency + 0.02
+    assert reckoned[149] >= latency - 0.08  # within half a minute
+
+
+@pytest.mark.parametrize("speed", [1.0, 3.0])
+def test_it_is_found_at_other_speeds(speed: float) -> None:
+    follow(hitch := Hitch(), drive(600, speed, curve=0.125 * speed), 0.2)
+    assert hitch.found[3] == pytest.approx(0.2, abs=0.05)
+
+
+def test_where_nothing_is_late_next_to_nothing_is_ever_corrected(eight: Drive) -> None:
+    assert max(max(follow(Hitch(), eight, 0.0, seed=seed)) for seed in range(10)) < 0.02
+
+
+def test_what_is_reckoned_with_changes_slowly_and_never_beyond_its_limit(eight: Drive) -> None:
+    reckoned = follow(Hitch(), eight, 0.4)
+    assert max(reckoned) == 0.25
+    assert 0.0 < np.abs(np.diff(reckoned)).max() <= 0.1 * SAMPLE + 1e-12
+
+
+def test_fixes_that_are_late_are_no_hitch_angle_that_is_early(eight: Drive) -> None:
+    reckoned = follow(hitch := Hitch(), eight, 0.0, fix_latency=0.2)
+    assert hitch.found[3] == pytest.approx(-0.2, abs=0.05)
+    assert max(reckoned) == 0.0
+
+
+def test_along_a_straight_nothing_is_learned() -> None:
+    follow(hitch := Hitch(), drive(200, curve=0.0, weave=0.0), 0.2)
+    assert hitch.latency == 0.0
+    assert hitch.deviation > 0.09
+
+
+def test_axles_that_drift_out_of_curves_do_not_hide_it() -> None:
+    soft = drive(600, creep=0.36)
+    follow(known := Hitch(), soft, 0.15, creep=0.36)
+    follow(unknown := Hitch(), soft, 0.15)
+    assert known.found[3] == pytest.approx(0.15, abs=0.03)
+    assert unknown.found[3] == pytest.approx(0.15 - 0.36 * 2.0 / 9.81, abs=0.03)  # less than there is
+
+
+@pytest.mark.parametrize("every", [2, 3])
+@pytest.mark.parametrize("latency", [0.0, 0.2])
+def test_fixes_may_come_less_often_than_samples(eight: Drive, latency: float, every: int) -> None:
+    reckoned = follow(hitch := Hitch(), eight, latency, every=every)
+    assert hitch.found[3] == pytest.approx(latency, abs=0.03)
+    assert max(reckoned) < latency + 0.02
+
+
+def test_gaps_of_fixes_and_angle_cost_no_more_than_they_last(eight: Drive) -> None:
+    def gappy(k: int, points: Floats, angle: float) -> tuple[Floats, float]:
+        return (np.full(4, math.nan) if k % 50 < 10 else points), (math.nan if k % 70 == 40 else angle)
+
+    follow(hitch := Hitch(), eight, 0.2, seen=gappy)
+    assert hitch.found[3] == pytest.approx(0.2, abs=0.03)
+
+
+def test_over_a_gap_that_is_long_no_ways_are_compared(eight: Drive) -> None:
+    begins: list[bool] = []
+    hitch = Hitch()
+
+    def gappy(k: int, points: Floats, angle: float) -> tuple[Floats, float]:
+        begins.append(k in {104, 205} and hitch.found[0] == 0.0)  # just after the first pair of fixes
+        return (np.full(4, math.nan) if k in {100, 101, 102, *range(200, 204)} else points), angle
+
+    follow(hitch, eight, 0.2, seen=gappy)
+    assert [k + 2 for k, begun in enumerate(begins) if begun] == [205]
+
+
+def test_a_single_false_position_teaches_nothing(eight: Drive) -> None:
+    def false(k: int, points: Floats, angle: float) -> tuple[Floats, float]:
+        return points + (np.array([2.0, 2.0, 0.0, 0.0]) if k == 300 else 0.0), angle
+
+    follow(with_it := Hitch(), eight, 0.2, seen=false)
+    follow(without := Hitch(), eight, 0.2)
+    assert with_it.found[3] == pytest.approx(without.found[3], abs=0.01)
+
+
+def test_where_the_antennas_have_moved_apart_it_begins_anew_and_what_is_corrected_fades(eight: Drive) -> None:
+    def jumped(k: int, points: Floats, angle: float) -> tuple[Floats, float]:
+        return points + (np.array([2.0, 2.0, 0.0, 0.0]) if k >= 300 else 0.0), angle
+
+    reckoned = follow(hitch := Hitch(), eight, 0.2, seen=jumped)
+    assert reckoned[290] > 0.15
+    assert 0.0 <= min(reckoned[300:330]) < 0.1
+    assert np.diff(reckoned).min() >= -0.1 * SAMPLE - 1e-12
+    assert hitch.found[3] == pytest.approx(0.2, abs=0.03)
+
+
+def test_what_is_found_is_that_of_a_kalman_filter_in_textbook_form(eight: Drive) -> None:
+    rng, hitch, ahead = np.random.default_rng(1), Hitch(), VEHICLE.trailer_antenna
+    state, covariance = np.zeros(4), np.diag([0.05, 0.035, 0.05, 0.1]) ** 2
+    last: tuple[Floats, float, float] | None = None
+    for k in range(2, 300):
+        points = eight.points[k * PARTS] + rng.normal(0.0, 0.02, 4)
+        yaw, bent = float(eight.yaw[k * PARTS]), eight.hitch_at(k, 0.0) - eight.hitch_at(k, SAMPLE)
+        reckoned, gamma = hitch.latency, eight.hitch_at(k, 0.15) + float(eight.joint[k * PARTS])
+        hitch.take(points, yaw, gamma, bent, creep=0.1)
+        if last is not None:
+            moved, turned, closed = points - last[0], yaw - last[1], gamma - last[2]
+            middle, between = 0.5 * (yaw + last[1]), 0.5 * (gamma + last[2])
+            psi = middle - between
+            way = moved[2:] @ [math.cos(psi), math.sin(psi)]
+            across = moved[:2] @ [-math.sin(middle), math.cos(middle)] - moved[2:] @ [-math.sin(psi), math.cos(psi)]
+            across += ahead * (turned - closed)
+            F = np.eye(4)
+            F[0] = [1.0, way, way * between, way / SAMPLE * bent]
+            state = F @ state
+            state[0] -= way / SAMPLE * bent * reckoned + 0.1 * (way / SAMPLE) ** 2 / 9.81 * closed + across
+            covariance = F @ covariance @ F.T
+            covariance += np.diag([(0.02 * way) ** 2, SAMPLE * 0.005**2, 0.0, SAMPLE * 0.002**2])
+            gain = covariance[0] / (covariance[0, 0] + 0.05**2)
+            state = state - gain * state[0]
+            covariance = covariance - np.outer(gain, covariance[0])
+        last = points, yaw, gamma
+        np.testing.assert_allclose(hitch.found, state, rtol=0.0, atol=1e-10)
+    assert hitch.deviation == pytest.approx(math.sqrt(covariance[3, 3]), rel=1e-9)
+
+
+def test_the_creep_that_is_estimated_counts() -> None:
+    soft, found = drive(300, creep=0.36), []
+    for creep in (0.0, 0.36):
+        alignment, last = Alignment(VEHICLE), None
+        for k in range(2, 300):
+            points, yaw, joint = soft.points[k * PARTS], soft.yaw[k * PARTS], soft.joint[k * PARTS]
+            hitch, late = soft.hitch_at(k, 0.0), soft.hitch_at(k, 0.15)
+            tractor = Pose(x=points[0], y=points[1], yaw=yaw)
+            trailer = Pose(x=points[2], y=points[3], yaw=yaw - hitch - joint)
+            now = believed(tractor, trailer, time=k * SAMPLE, speed=2.0, hitch_angle=hitch, creep=creep)
+            if last is not None:
+                alignment.apply(
+                    measured(*points, time=now.time, speed=2.0, hitch_angle=late, trailer_steering=joint), last, now
+                )
+            last = now
+        found.append(alignment.found().hitch_latency)
+    assert found[0] < 0.07
+    assert 0.1 < found[1] < 0.16
+
+
+@pytest.mark.parametrize("age", [math.nan, 0.0, 0.05])
+def test_what_is_found_adds_to_the_age_that_is_told(age: float) -> None:
+    alignment = Alignment(VEHICLE)
+    alignment.live.array("hitch.latency")[...] = 0.1
+    before = believed(Pose(x=0.0, y=0.0, yaw=0.0), Pose(x=-2.15, y=0.0, yaw=0.0), time=1.0)
+    now = replace(before, time=1.2, hitch_angle=0.06)
+    aligned = alignment.apply(
+        measured(0.0, 0.0, -2.15, 0.0, time=1.2, hitch_angle=0.02, hitch_angle_age=age), before, now
+    )
+    assert aligned.hitch_angle == pytest.approx(0.02 + 0.3 * (0.1 + (0.0 if math.isnan(age) else age)), abs=1e-12)
+
+
+LATE = "machine.delays={{hitch_angle={{latency={}}},reported={}}}"
+
+
+@pytest.mark.parametrize(
+    ("latency", "told", "speed"),
+    [(0.0, False, 3.0), (0.15, False, 3.0), (0.2, False, 3.0), (0.2, False, 2.0), (0.2, True, 3.0)],
+)
+@pytest.mark.parametrize("attitude", ["", "machine.attitude.tractor.present=true"], ids=["wheels", "yaw rate"])
+def test_in_a_drive_it_is_found_in_time_to_keep_the_line(
+    attitude: str, latency: float, told: bool, speed: float
+) -> None:
+    late = LATE.format(latency, str(told).lower())
+    changes = ["path.radii=[8.0]", f"speed={speed}", late, *([attitude] if attitude else [])]
+    log = simulate(load_configuration("articulated", changes), seed=1)
+    reckoned = [record.actuation.hitch_latency for record in log.records]
+    assert log.outcome is not None
+    assert log.outcome.finished
+    assert reckoned[-1] == pytest.approx(0.0 if told else latency, abs=0.1)
+    assert max(reckoned) <= (0.02 if told or not latency else latency + 0.02)
+
+
+def test_fixes_that_are_coarse_show_nothing() -> None:
+    floats = "machine.events=[{kind='gps_float',start=0.0,duration=1000.0,correlation=10.0}]"
+    log = simulate(
+        load_configuration("articulated", ["path.radii=[8.0]", "speed=2.0", LATE.format(0.2, "false"), floats]), seed=1
+    )
+    assert {record.actuation.hitch_latency for record in log.records} == {0.0}
