@@ -10,7 +10,7 @@ from drawbar.estimation.settings import ActuationSettings, SteeringMemory
 from drawbar.geometry import Floats
 from drawbar.vehicle.parameters import VehicleParameters
 
-_DEAD_TIMES, _LAGS, _RATES, _PAST = 17, 12, 10, 448
+_DEAD_TIMES, _LAGS, _RATES, _PAST = 17, 12, 10, 426
 """as in lag_bank.h"""
 _STEP = 0.05
 """s; between two dead times of the bank, or less"""

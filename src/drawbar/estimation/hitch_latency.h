@@ -56,7 +56,7 @@ struct hitch_latency {
 };
 
 /* Forget everything but the correction, which fades. */
-static inline void hitch_latency_begin(struct hitch_latency *hitch)
+static COLD void hitch_latency_begin(struct hitch_latency *hitch)
 {
     *hitch = (struct hitch_latency){.latency = hitch->latency};
     hitch->covariance[HITCH_OFFSET][HITCH_OFFSET] = HITCH_OFFSET_PRIOR * HITCH_OFFSET_PRIOR;
@@ -74,7 +74,7 @@ static inline void hitch_latency_begin_sum(struct hitch_latency *hitch)
 }
 
 /* Propagate over a way (m) since the last pair of fixes. */
-static inline void hitch_latency_propagate(struct hitch_latency *hitch, double way, double creep)
+static COLD void hitch_latency_propagate(struct hitch_latency *hitch, double way, double creep)
 {
     const struct hitch_motion *motion = &hitch->motion;
     const double speed = way / motion->lasted, noise = way * HITCH_NOISE;
@@ -115,7 +115,7 @@ static inline void hitch_latency_update(struct hitch_latency *hitch)
 }
 
 /* Compare the ways of both axles since the last pair of fixes. ahead: of the trailer's point before its axle, m. */
-static inline void hitch_latency_compare(struct hitch_latency *hitch, const struct hitch_sample *sample, double ahead)
+static COLD void hitch_latency_compare(struct hitch_latency *hitch, const struct hitch_sample *sample, double ahead)
 {
     const struct hitch_motion *motion = &hitch->motion;
     const double yaw = motion->yaw / motion->lasted, psi = yaw - motion->gamma / motion->lasted;
@@ -149,18 +149,12 @@ static inline void hitch_latency_move(struct hitch_latency *hitch, const struct 
     hitch->gamma = sample->gamma;
 }
 
-/* Whether a number is finite: isfinite is a function that is missing where code is to be small and runs on Windows. */
-static inline int hitch_is_finite(double value)
-{
-    return value - value == 0.0;
-}
-
 /* Whether both fixes are there, and neither is the last one repeated. */
 static inline int hitch_latency_is_pair(const struct hitch_latency *hitch, const double *points)
 {
     const double *last = hitch->points;
 
-    return hitch_is_finite(points[0] + points[1] + points[2] + points[3])
+    return isfinite(points[0] + points[1] + points[2] + points[3])
         && (points[0] != last[0] || points[1] != last[1]) && (points[2] != last[2] || points[3] != last[3]);
 }
 
@@ -174,11 +168,11 @@ static inline void hitch_latency_apply(struct hitch_latency *hitch, double elaps
 }
 
 /* Take a sample in, whose angles are corrected; elapsed: since the last, s. */
-static COLD void hitch_latency_take(struct hitch_latency *hitch, const struct hitch_sample *sample, double ahead, double elapsed)
+static NOINLINE void hitch_latency_take(struct hitch_latency *hitch, const struct hitch_sample *sample, double ahead, double elapsed)
 {
     if (!(hitch->covariance[HITCH_LATENCY][HITCH_LATENCY] > 0.0))
         hitch_latency_begin(hitch);
-    const int known = hitch_is_finite(sample->yaw + sample->gamma + sample->bent + sample->creep) && elapsed > 0.0;
+    const int known = isfinite(sample->yaw + sample->gamma + sample->bent + sample->creep) && elapsed > 0.0;
     const int pair = known && hitch_latency_is_pair(hitch, sample->points);
 
     hitch->continues = hitch->continues && known && hitch->motion.lasted + elapsed < BETWEEN_FIXES;

@@ -22,7 +22,7 @@
 #define RATES 10
 #define ROWS (DEAD_TIMES + RATES)
 #define MEMBERS (ROWS * LAGS)
-#define PAST 448                           /* parts of samples in the command history: more than the longest dead time */
+#define PAST 426                           /* parts of samples in the command history: more than the longest dead time */
 #define ERROR_LIMIT 0.15                   /* at which an error is clipped: a driver steers, rad */
 #define OFFSET_SAMPLES 10.0                /* weight of the prior offset, zero, in samples */
 #define RATE_CHANGE 1.15                   /* ratio from which on the identified rate has changed */

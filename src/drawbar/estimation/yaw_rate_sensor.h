@@ -14,6 +14,7 @@
 #include <math.h>
 #include <stdint.h>
 #include "geometry.h"
+#include "noinline.h"
 
 #define DEGREE (DRAWBAR_PI / 180.0)
 #define BIAS_PRIOR (2.0 * DEGREE)          /* its prior standard deviation, rad/s */
@@ -74,7 +75,7 @@ static inline int yaw_rate_begun(const struct yaw_rate_sensor *sensor)
 }
 
 /* Reset the filter; the sensor is excluded for a while (s). */
-static inline void yaw_rate_begin(struct yaw_rate_sensor *sensor, double exclusion)
+static COLD void yaw_rate_begin(struct yaw_rate_sensor *sensor, double exclusion)
 {
     *sensor = (struct yaw_rate_sensor){.latency = sensor->latency, .exclusion = exclusion};
     sensor->covariance[BIAS][BIAS] = BIAS_PRIOR * BIAS_PRIOR;
@@ -83,7 +84,7 @@ static inline void yaw_rate_begin(struct yaw_rate_sensor *sensor, double exclusi
 }
 
 /* Restart the integral from a reference: in a curve that lags by its latency. */
-static inline void yaw_rate_restart_integral(struct yaw_rate_sensor *sensor, const struct yaw_reference *reference)
+static COLD void yaw_rate_restart_integral(struct yaw_rate_sensor *sensor, const struct yaw_reference *reference)
 {
     const double turning = reference->turning;
 

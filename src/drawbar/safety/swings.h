@@ -11,6 +11,7 @@
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
+#include "noinline.h"
 
 #define LONGEST_SWING 8.0                  /* s */
 #define STILL_SWINGING 0.7                 /* least share of a peak before it */
@@ -23,7 +24,7 @@ struct swings {
 };
 
 /* Update with the signal after an elapsed time (s); returns the number of consecutive half waves that are swings. */
-static inline int32_t swings_update(struct swings *swings, double elapsed, double signal, double threshold)
+static NOINLINE int32_t swings_update(struct swings *swings, double elapsed, double signal, double threshold)
 {
     const int32_t side = signal > 0.5 * threshold ? 1 : signal < -0.5 * threshold ? -1 : 0;
 
