@@ -354,9 +354,9 @@ def test_two_wires_and_their_faults_are_apart():
         bench.channel, bench.operators,
     )  # fmt: skip
     gate.receive(lambda: bench.time)
-    gate.tick(bench.time)
+    gate.tick(bench.time, 0.0)
     assert gate.engagement.state in (FAULT, SupervisorState.SELFTEST)
-    gate.tick(bench.time + TICK)
+    gate.tick(bench.time + TICK, 0.0)
     assert (gate.engagement.state, gate.engagement.cause) == (FAULT, Cause.DEVICE)
     assert other.transport.written[-1] == b"tractor off"
     assert bench.transport.written[-1] == b"trailer off"
