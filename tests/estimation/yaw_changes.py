@@ -7,6 +7,7 @@ antennas on the tractor, 3° askew, and a measured roll, and prints the largest 
 import math
 import sys
 import tomllib
+from contextlib import suppress
 from pathlib import Path
 
 from drawbar.config import load_configuration
@@ -25,11 +26,9 @@ def largest_change(changes: list[str], seed: int) -> float:
     machine = configuration.machine.model_copy(update={"attitude": attitude})
     simulation = Simulation(configuration.model_copy(update={"machine": machine}), seed)
     change, largest = simulation.autopilot.library.components["alignment"].live.array("yaw.change"), 0.0
-    try:
+    with suppress(RunAborted):  # what the variant is about may end it
         for _ in simulation.steps():
             largest = max(largest, abs(float(change[0])))
-    except RunAborted:
-        pass  # what the variant is about may end it
     return math.degrees(largest)
 
 
