@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from drawbar.config import Configuration
     from drawbar.driving.preparation.hand_calibration import CalibrationResult
     from drawbar.driving.preparation.push_calibration import PushCalibration
-    from drawbar.signals import BodyActuation
+    from drawbar.signals import Actuation, BodyActuation
 
 _NOTED_LATENCY = 0.02
 """of fixes, from which on it is worth a setting, s"""
@@ -192,7 +192,7 @@ def _tell(found: "CalibrationResult") -> None:
 
 
 def identify(log: RunLogFile) -> None:
-    """Find dead time, lag and rate of both steerings, late fixes and askew roll sensors in a log."""
+    """Find dead time, lag and rate of both steerings, late fixes, askew roll sensors and wrong scales in a log."""
     from drawbar.config import recorded_configuration
     from drawbar.driving.preparation.steering_memory import longest_steering
     from drawbar.estimation.identification import identify as evaluate
@@ -227,6 +227,19 @@ def identify(log: RunLogFile) -> None:
             "[devices.trailer_receiver], elsewhere to sensors.fixes.age",
             soft_wrap=True,
         )
+    _tell_scales(steered[-1].actuation)
+
+
+def _tell_scales(known: "Actuation") -> None:
+    """Print what the angles of hitch and joint were multiplied by, where they were."""
+    for name, scale, advice in (
+        ("hitch angle", known.hitch_scale, "multiply devices.sensors.hitch_angles by that"),
+        ("joint", known.joint_scale, "divide its board's counts_per_degree by that"),
+    ):
+        if scale:
+            console.print(
+                f"{name}: {1.0 + scale:.2f} times what its sensor shows; {advice}, or calibrate it", soft_wrap=True
+            )
 
 
 def _tell_steering(name: str, found: "BodyActuation") -> None:

@@ -79,6 +79,8 @@ CAUSES_DE: Mapping[Cause, tuple[str, str]] = {
         "den Abstand"),
     Cause.YAW_CHANGED: ("die Richtung beider Antennen hat sich gegen Positionen und Winkel verdreht",
         "nachsehen, ob beide Antennen und die Sensoren von Kupplung und Gelenk fest sind, dann neu kalibrieren"),
+    Cause.ANGLE_SCALE: ("der Sensor von Kupplung oder Gelenk zeigt um ein Zehntel zu viel oder zu wenig",
+        "beide Sensoren kalibrieren; drawbar identify sagt, um wie viel ihre Winkel solange berichtigt werden"),
     Cause.TOO_SLOW: ("das Fahrzeug steht oder ist zu langsam",
         "anfahren, dann einschalten"),
     Cause.TOO_FAST: ("das Fahrzeug ist zu schnell",

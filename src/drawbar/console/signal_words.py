@@ -47,6 +47,12 @@ QUANTITIES: Mapping[str, tuple[str, str, str]] = {
     "fix_age": ("Age of the fix", "Alter der Position", "s"),
     "fix_latency": ("Unreported latency of the fixes", "Nicht gemeldeter Verzug der Positionen", "s"),
     "hitch_latency": ("Unreported latency of the hitch angle", "Nicht gemeldeter Verzug des Knickwinkels", "s"),
+    "hitch_scale": ("True per measured hitch angle, less 1", "Wahrer je gemessener Knickwinkel, weniger 1", "1"),
+    "joint_scale": (
+        "True per measured angle of the joint, less 1",
+        "Wahrer je gemessener Gelenkwinkel, weniger 1",
+        "1",
+    ),
     "body_lag": ("Lag of the body behind its wheels", "Nachlauf des Rumpfs hinter den Rädern", "s"),
     "body_lag_deviation": ("Uncertainty of that lag", "Unsicherheit dieses Nachlaufs", "s"),
     "fix": ("What became of the fix, 0 is used", "Was aus der Position wurde, 0: genutzt", ""),

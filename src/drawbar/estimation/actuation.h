@@ -143,23 +143,26 @@ static inline double lead(double sample_time, double lag)
 }
 
 /* Scale a command, made for the stated lag, about the predicted angle of the steering, rad; both and the offset in the
- * command's own sign. */
-static inline double scaled(const struct component *actuation, int i, double command, double found, double offset)
+ * command's own sign. scale: error of its sensor. */
+static inline double scaled(const struct component *actuation, int i, double command, double found, double scale, double offset)
 {
     const double share = lead(actuation->sample_time, actuation->lags[i])
         / lead(actuation->sample_time, actuation->banks[i].stated_lag);
-    const double wanted = found + share * (command - found) - offset;
+    const double wanted = (found + share * (command - found)) / (1.0 + scale) - offset;
 
     return isfinite(wanted) ? clamped(wanted, -actuation->limits[i], actuation->limits[i]) : command;
 }
 
-/* Convert commands for the stated lags to the identified lags; `then` is the estimate when they begin to act. */
-int UNIT(adapt)(const struct component *actuation, const struct drawbar_estimate *then, double *tractor, double *trailer)
+/* Convert commands for the stated lags to the identified lags; `then` is the estimate when they begin to act; joint_scale: error
+ * of the sensor by which the joint is moved. */
+int UNIT(adapt)(const struct component *actuation, const struct drawbar_estimate *then, double joint_scale, double *tractor,
+                double *trailer)
 {
     const double *const offsets = actuation->offsets, sign = actuation->sign;
 
-    *tractor = scaled(actuation, FRONT_WHEELS, *tractor, then->tractor_steering, offsets[FRONT_WHEELS]);
-    *trailer = scaled(actuation, TRAILER_JOINT, *trailer, sign * then->trailer_steering, sign * offsets[TRAILER_JOINT]);
+    *tractor = scaled(actuation, FRONT_WHEELS, *tractor, then->tractor_steering, 0.0, offsets[FRONT_WHEELS]);
+    *trailer = scaled(actuation, TRAILER_JOINT, *trailer, sign * then->trailer_steering, joint_scale,
+                      sign * offsets[TRAILER_JOINT]);
     return 0;
 }
 

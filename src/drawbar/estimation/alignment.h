@@ -1,15 +1,15 @@
 /* Alignment: from measured values to those that the sensors would measure at the points on the ground, now.
  *
  * Positions: position_alignment.h. The other sensors' values change by what is expected of their quantities since they were
- * measured (between_samples.h), the hitch angle as far as its own latency is found (hitch_latency.h), the tractor's yaw and yaw
- * rate without their sensors' errors (yaw_alignment.h).
+ * measured (between_samples.h), the angles of hitch and joint without the errors that are found of them (angle_errors.h), the
+ * tractor's yaw and yaw rate without their sensors' errors (yaw_alignment.h).
  */
 #ifndef DRAWBAR_ALIGNMENT_H
 #define DRAWBAR_ALIGNMENT_H
 
 #include "ages.h"
+#include "angle_errors.h"
 #include "fix_deviation.h"
-#include "hitch_latency.h"
 #include "position_alignment.h"
 #include "unit.h"
 #include "yaw_alignment.h"
@@ -24,7 +24,7 @@ struct component {
     struct yaw_rate_sensor yaw_rate;       /* the tractor's */
     struct rate_history rates;             /* the tractor's, by the wheels */
     struct yaw_residual yaw_residual;
-    struct hitch_latency hitch;            /* of the hitch angle */
+    struct angle_errors angles;            /* of hitch and joint */
 };
 
 #define COMPONENT_FIELDS                                                                                          \
@@ -33,7 +33,7 @@ struct component {
     SETTING(component, yaw.gate, 0, 1, 0, 0)                                                                           \
     FIELD(component, yaw.error, 0, 1, 0, 0) FIELD(component, yaw.latency, 0, 1, 0, 0)                                  \
     FIELD(component, yaw.change, 0, 1, 0, 0) FIELD(component, yaw_rate.exclusion, 0, 1, 0, 0)                                           \
-    FIELD(component, hitch.latency, 0, 1, 0, 0)
+    FIELD(component, angles.latency, 0, 1, 0, 0) FIELD(component, angles.scales, 0, ANGLES, 0, 0)
 
 /* The estimated latency of fixes beyond their age, s. */
 static inline double fix_latency(const struct component *alignment)
@@ -48,12 +48,15 @@ static inline double age_of_fix(const struct component *alignment, double report
     return age >= 0.0 && age <= OLDEST ? age : (double)NAN;
 }
 
-/* Bring the values of all sensors but the receivers up to now, in place. latency: of the hitch angle beyond its age, s. */
-static inline void align_angles(const struct sample_interval *interval, double latency, struct drawbar_measurement *m)
+/* Bring the values of all sensors but the receivers up to now, in place, without the errors that are found of them. */
+static inline void align_angles(const struct sample_interval *interval, const struct angle_errors *errors,
+                                struct drawbar_measurement *m)
 {
     const struct drawbar_estimate *last = interval->last, *now = interval->expected;
-    const double hitch_age = isnan(m->hitch_angle_age) ? latency : m->hitch_angle_age + latency;
+    const double hitch_age = isnan(m->hitch_angle_age) ? errors->latency : m->hitch_angle_age + errors->latency;
 
+    m->hitch_angle *= 1.0 + errors->scales[HITCH];
+    m->trailer_steering *= 1.0 + errors->scales[JOINT];
     m->hitch_angle = brought_up(interval, m->hitch_angle, hitch_age, last->hitch_angle, now->hitch_angle);
     m->speed = brought_up(interval, m->speed, m->speed_age, last->speed, now->speed);
     m->tractor_steering = brought_up(interval, m->tractor_steering, m->tractor_steering_age, last->tractor_steering,
@@ -62,21 +65,21 @@ static inline void align_angles(const struct sample_interval *interval, double l
                                      now->trailer_steering);
 }
 
-/* Learn how late the hitch angle is, from what is brought up to now. */
-static inline void learn_hitch_latency(struct component *alignment, const struct sample_interval *interval,
-                                       const struct drawbar_measurement *m)
+/* Learn the errors of hitch and joint, from what is brought up to now. */
+static inline void learn_angle_errors(struct component *alignment, const struct sample_interval *interval,
+                                      const struct drawbar_measurement *m)
 {
     const struct drawbar_estimate *last = interval->last, *now = interval->expected;
     const double missing = fixes_are_coarse(m) ? (double)NAN : 0.0;
-    const struct hitch_sample sample = {
+    const struct angle_sample sample = {
         .points = {m->tractor_x + missing, m->tractor_y + missing, m->trailer_x + missing, m->trailer_y + missing},
         .yaw = now->tractor.yaw,
-        .gamma = m->hitch_angle + m->trailer_steering,
+        .angles = {m->hitch_angle, m->trailer_steering},
         .bent = now->hitch_angle - last->hitch_angle,
         .creep = now->creep,
     };
 
-    hitch_latency_take(&alignment->hitch, &sample, alignment->positions.to_axle, interval->elapsed);
+    angle_errors_take(&alignment->angles, &sample, alignment->positions.to_axle, interval->elapsed);
 }
 
 /* Set the standard deviation of each fix, already on the ground; drop what is no fix. */
@@ -154,14 +157,16 @@ int UNIT(begin)(struct component *alignment, const struct drawbar_measurement *f
     return 0;
 }
 
-/* Report the identified errors of the sensors: unreported latency of fixes, zeros of the roll sensors. */
+/* Report the identified errors of the sensors: unreported latencies, scales of hitch and joint, zeros of the roll sensors. */
 void UNIT(report)(const struct component *alignment, struct drawbar_actuation *found)
 {
     const struct roll_zero tractor = roll_zero(&alignment->positions, ALIGNED_TRACTOR);
     const struct roll_zero trailer = roll_zero(&alignment->positions, ALIGNED_TRAILER);
 
     found->fix_latency = fix_latency(alignment);
-    found->hitch_latency = alignment->hitch.latency;
+    found->hitch_latency = alignment->angles.latency;
+    found->hitch_scale = alignment->angles.scales[HITCH];
+    found->joint_scale = alignment->angles.scales[JOINT];
     found->tractor_roll_offset = tractor.value;
     found->tractor_roll_deviation = tractor.deviation;
     found->trailer_roll_offset = trailer.value;
@@ -204,8 +209,8 @@ int UNIT(apply)(struct component *alignment, const struct drawbar_measurement *m
     aligned->trailer_x = trailer[0];
     aligned->trailer_y = trailer[1];
     judge_deviations(alignment, expected, aligned);
-    align_angles(&interval, alignment->hitch.latency, aligned);
-    learn_hitch_latency(alignment, &interval, aligned);
+    align_angles(&interval, &alignment->angles, aligned);
+    learn_angle_errors(alignment, &interval, aligned);
     align_yaw(&alignment->yaw, &alignment->chain, &interval, fix_latency(alignment), aligned);
     align_yaw_rate(&alignment->yaw_rate, &alignment->rates, &alignment->yaw_residual, &alignment->chain, &interval,
                    aligned);

@@ -117,6 +117,8 @@ class Cause(Enum):
         "let both run until they know UTC and its leap seconds, up to 13 minutes; drawbar check tells the difference")
     YAW_CHANGED = (224, False, Response.NOTIFY, "the two antennas' heading has turned against positions and angles",
         "see whether both antennas and the sensors of hitch and joint are firm, then calibrate them again")
+    ANGLE_SCALE = (225, False, Response.NOTIFY, "the sensor of hitch or joint shows a tenth too much or too little",
+        "calibrate both sensors; drawbar identify tells by how much the angles are corrected meanwhile")
 
     TOO_SLOW = (301, True, Response.NONE, "the vehicle stands or is too slow",
         "begin to drive, then engage")

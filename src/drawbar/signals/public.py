@@ -249,6 +249,10 @@ class Actuation:
     """identified by the yaw-rate sensor, beyond the age that receivers or `sensors.fixes.age` state"""
     hitch_latency: Seconds = 0.0
     """of the hitch angle, identified by the ways of both antennas, beyond its reported age"""
+    hitch_scale: Ratio = 0.0
+    """identified scale error of the hitch sensor: true per measured angle, less 1"""
+    joint_scale: Ratio = 0.0
+    """identified scale error of the joint's sensor, by which its board follows commands as well"""
     tractor_roll_offset: Radians = 0.0
     """identified zero of the tractor's roll sensor, beyond the stated offset"""
     tractor_roll_deviation: Radians = 0.0

@@ -51,8 +51,8 @@ int drawbar_actuation_initialise(struct component *component);
 int drawbar_actuation_measured(struct component *component, const struct drawbar_measurement *measurement);
 int drawbar_actuation_sent(struct component *component, struct drawbar_command *command);
 int drawbar_actuation_ready(struct component *component);
-int drawbar_actuation_adapt(const struct component *component, const struct drawbar_estimate *then, double *tractor,
-                            double *trailer);
+int drawbar_actuation_adapt(const struct component *component, const struct drawbar_estimate *then, double joint_scale,
+                            double *tractor, double *trailer);
 int drawbar_actuation_report(const struct component *component, struct drawbar_actuation *report);
 int drawbar_predictor_actuation(struct component *component, const struct drawbar_actuation *known);
 int drawbar_controller_actuation(struct component *component, const struct drawbar_actuation *known);

@@ -144,7 +144,7 @@ static int follow_driver(struct autopilot *a, struct drawbar_command *command)
 
     wheels.time = a->time;
     wheels.tractor_steering = now->tractor_steering;
-    wheels.trailer_steering = now->trailer_steering;
+    wheels.trailer_steering = now->trailer_steering / (1.0 + a->known.joint_scale);
     drawbar_gate_begin(COMPONENT(a->gate), &wheels);
     a->diagnostics.gate = drawbar_gate_stand(COMPONENT(a->gate), a->time, command);
     driven = *command;

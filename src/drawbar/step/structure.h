@@ -84,6 +84,7 @@ static void note_sent(struct autopilot *a, const struct drawbar_command *command
 #ifdef DRAWBAR_IDENTIFIED
     drawbar_actuation_sent(COMPONENT(a->actuation), &sent);
 #endif
+    sent.trailer_steering *= 1.0 + a->known.joint_scale;   /* from here on as the joint turns, not as it is measured */
 #ifdef DRAWBAR_DEAD_TIME
     drawbar_predictor_sent(COMPONENT(a->predictor), &sent, &a->acting);
 #else
@@ -117,7 +118,7 @@ static void adapt_commands(struct autopilot *a, const struct drawbar_estimate *a
 #ifdef DRAWBAR_IDENTIFIED
     struct drawbar_body_steering *steerings = a->made.steerings;
 
-    drawbar_actuation_adapt(COMPONENT(a->actuation), ahead, &steerings[TRACTOR_BODY].command,
+    drawbar_actuation_adapt(COMPONENT(a->actuation), ahead, a->known.joint_scale, &steerings[TRACTOR_BODY].command,
                             &steerings[TRAILER_BODY].command);
 #else
     (void)a, (void)ahead;

@@ -11,11 +11,12 @@ from ordinary import measured
 from drawbar.driving.fault_detection.confirmation import CONFIRMED
 from drawbar.driving.fault_detection.fault_exclusion import FaultExclusion
 from drawbar.safety.sanity import SanitySettings
-from drawbar.signals import FixStatus, SolverStatus
+from drawbar.signals import Actuation, FixStatus, SolverStatus
 from drawbar.vehicle.parameters import VehicleParameters
 
 DEGREE = math.pi / 180.0
 SEEN = measured(1.0, 2.0, 3.0, 4.0, hitch_angle=0.1, speed=1.0)
+NOT_CORRECTED = Actuation()
 FINE = count()
 """a sensor that hardly ever repeats itself to the last bit"""
 
@@ -29,6 +30,7 @@ def step(
     tractor=(1.0, 2.0),
     trailer=(3.0, 4.0),
     measured_hitch=None,
+    known=NOT_CORRECTED,
 ):
     estimate = SimpleNamespace(
         hitch_angle=hitch, trailer_steering=joint, tractor_fix=fixes[0], trailer_fix=fixes[1], status=status,
@@ -37,7 +39,8 @@ def step(
         longitudinal_slip=1.0, tractor_slip=1.0, steering_offset=0.0, tractor_crab=0.0, trailer_crab=0.0,
     )  # fmt: skip
     angle = 0.1 + 1e-9 * (next(FINE) % 7) if measured_hitch is None else measured_hitch
-    return SimpleNamespace(measurement=replace(SEEN, speed=speed, hitch_angle=angle), estimate=estimate)
+    seen = replace(SEEN, speed=speed, hitch_angle=angle)
+    return SimpleNamespace(measurement=seen, estimate=estimate, actuation=known)
 
 
 def exclusion(record, times=CONFIRMED, *, engaged=True):
@@ -136,6 +139,17 @@ def test_angles_of_hitch_and_joint_that_differ_a_little_for_long_are_doubted(hit
         found.update(step(hitch=SEEN.hitch_angle + (hitch * DEGREE), joint=joint * DEGREE), engaged=True)
         assert found.is_active is (excluded and i == 4)
     assert not exclusion(step(joint=math.nan, hitch=math.nan), 10).is_active
+
+
+def test_angles_of_a_sensor_whose_scale_is_known_do_not_contradict():
+    for scale, excluded in ((0.0, True), (0.25, False)):
+        found = on_calm_ground()
+        for _ in range(20):
+            found.update(
+                step(hitch=25.0 * DEGREE, measured_hitch=20.0 * DEGREE, known=Actuation(hitch_scale=scale)),
+                engaged=True,
+            )
+        assert found.excludes_trailer is excluded
 
 
 @pytest.mark.parametrize("false", [85.0, -85.0])

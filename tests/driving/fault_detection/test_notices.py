@@ -16,13 +16,14 @@ from drawbar.machine.stand_in.breaking import moved, report_otherwise
 from drawbar.machine.stand_in.faults import FAULTS
 from drawbar.messages import SupervisorState
 from drawbar.safety.causes import BY_CODE, Cause
-from drawbar.signals import FixStatus
+from drawbar.signals import Actuation, FixStatus
 from drawbar.simulation import build_path
 
 NOTHING = SimpleNamespace(excludes_positions=False, excludes_trailer=False, steering_contradicts=False)
 ALL_RIGHT = {"drifts": False, "mirrored": False, "far_apart": False}
 NUMBERS = ("yaw.error", "yaw.latency", "yaw.change", "yaw_rate.exclusion")
 """of an alignment, that are read"""
+NOT_CORRECTED = Actuation()
 ACCEPTED, REJECTED = FixStatus.ACCEPTED, FixStatus.REJECTED
 
 
@@ -38,7 +39,17 @@ class Told:
             has_trailer_receiver=has_trailer_receiver,
         )
 
-    def step(self, *, fixes=(ACCEPTED, ACCEPTED), yaw=math.nan, roll=0.0, age=0.0, exclusion=NOTHING, **found):
+    def step(
+        self,
+        *,
+        fixes=(ACCEPTED, ACCEPTED),
+        yaw=math.nan,
+        roll=0.0,
+        age=0.0,
+        known=NOT_CORRECTED,
+        exclusion=NOTHING,
+        **found,
+    ):
         """Let a step pass; return what is told."""
         self.time += 0.2
         self.yaw += 0.2 * self.rate
@@ -47,7 +58,8 @@ class Told:
         )
         attitude = {"tractor_yaw": yaw, "tractor_roll": roll, "tractor_attitude_age": age}
         measurement = replace(measured(0.0, 0.0, 0.0, 0.0), **attitude)
-        self.notices.update(SimpleNamespace(estimate=estimate, measurement=measurement), exclusion, **ALL_RIGHT | found)
+        record = SimpleNamespace(estimate=estimate, measurement=measurement, actuation=known)
+        self.notices.update(record, exclusion, **ALL_RIGHT | found)
         assert len(self.notices.codes) == MOST
         return [BY_CODE[code] for code in self.notices.codes if code]
 
@@ -135,6 +147,13 @@ def test_a_yaw_that_has_turned_is_reported_where_a_roll_tells_that_no_slope_does
     told.numbers["yaw.change"][0] = sign * math.radians(1.6)
     assert told.step(roll=math.nan) == []
     assert told.step() == [Cause.YAW_CHANGED]
+
+
+@pytest.mark.parametrize("scale", ["hitch_scale", "joint_scale"])
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_a_wrong_scale_of_hitch_or_joint_is_reported(told, scale, sign):
+    assert told.step(known=Actuation(**{scale: sign * 0.09})) == []
+    assert told.step(known=Actuation(**{scale: sign * 0.11})) == [Cause.ANGLE_SCALE]
 
 
 @pytest.mark.parametrize(("reported", "latency"), [(0.4, 0.0), (0.0, 0.4), (0.2, 0.2)])

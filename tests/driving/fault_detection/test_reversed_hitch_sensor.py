@@ -39,7 +39,7 @@ def seen(sensor: Sensor, *, steering: float = 6.0 * DEGREE, sample_time: float =
         time = k * sample_time
         told = sensor(true, time) + rng.normal(0.0, 1.0 * DEGREE)
         measured = SimpleNamespace(hitch_angle=told, trailer_steering=0.0, tractor_steering=steering, speed=speed)
-        simulated = simulation.update(SimpleNamespace(measurement=measured, estimate=slips))
+        simulated = simulation.update(measured, slips)
         if detector.update(told, simulated):
             return time
     return math.inf

@@ -24,6 +24,7 @@ from drawbar.errors import ConfigurationError, DrawbarError
 from drawbar.machine.hardware.sensor_line import SensorBoardSettings
 from drawbar.machine.hardware.steer_board import BoardMemory
 from drawbar.messages import GateState
+from drawbar.signals import Actuation
 
 SEED = 4
 STEP = 0.2
@@ -255,6 +256,18 @@ def test_dead_time_lag_and_late_fixes_are_found_in_the_log_of_a_run(tmp_path):
     (fixes,) = (line for line in told.output.splitlines() if line.startswith("fixes: "))
     assert 0.08 < float(fixes.removeprefix("fixes: at least ").split()[0]) < 0.22
     assert "later than told; add it to latency of" in fixes
+
+
+def test_scales_that_the_drive_has_found_are_told(monkeypatch):
+    told = []
+    monkeypatch.setattr(cli_calibrate.console, "print", lambda text, **_: told.append(text))
+    cli_calibrate._tell_scales(Actuation())
+    assert told == []
+    cli_calibrate._tell_scales(Actuation(hitch_scale=0.25, joint_scale=-0.2))
+    assert told[0].startswith(
+        "hitch angle: 1.25 times what its sensor shows; multiply devices.sensors.hitch_angles by that"
+    )
+    assert told[1].startswith("joint: 0.80 times what its sensor shows; divide its board's counts_per_degree by that")
 
 
 def sets(changes):

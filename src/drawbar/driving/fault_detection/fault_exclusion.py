@@ -28,7 +28,7 @@ from drawbar.driving.fault_detection.simulated_hitch_angle import SimulatedHitch
 from drawbar.driving.fault_detection.stuck_hitch_sensor import StuckHitchSensor
 from drawbar.driving.fault_detection.turning_error import TurningError
 from drawbar.safety.sanity import SanitySettings
-from drawbar.signals import FixStatus, Measurement, Pose, SolverStatus, StepRecord
+from drawbar.signals import Actuation, Estimate, FixStatus, Measurement, Pose, SolverStatus, StepRecord
 from drawbar.vehicle.parameters import VehicleParameters
 
 _MEAN_TIME = 1.0
@@ -125,20 +125,23 @@ class FaultExclusion:
             moved: positions drift or have jumped.
             astray: the estimate moves in another direction than the tractor's antenna.
         """
-        hitch, joint = _residuals(record)
+        measured = _true_to_scale(record.measurement, record.actuation)
+        hitch, joint = _residuals(measured, record.estimate)
         self._residuals.append((hitch, joint))
         moves = abs(record.measurement.speed) >= MOVES
         limit = _SHARE if self._antenna_contradicts(record, moves=moves) else 1.0
         share = self._angles_share(moves=moves)
         contradicted = share > limit
-        measured, simulated = record.measurement.hitch_angle, self._simulated.update(record)
-        contradicted |= self._reversed.update(measured, simulated)
-        contradiction = self._angles.update(measured, simulated, self._turning.update(record))
+        simulated = self._simulated.update(measured, record.estimate)
+        contradicted |= self._reversed.update(measured.hitch_angle, simulated)
+        contradiction = self._angles.update(measured.hitch_angle, simulated, self._turning.update(record))
         wrong_wheels = contradiction is Contradiction.FRONT_WHEELS or self._turning.is_large
         # once the trailer is excluded the estimated yaw changes; if it goes astray again, the front wheels lead it
         self.steering_contradicts = astray if self.excludes_trailer else wrong_wheels
         contradicted |= contradiction is Contradiction.TRAILER or astray
-        contradicted |= self._stuck.update(measured, record.estimate.hitch_angle, simulated, moves=moves)
+        contradicted |= self._stuck.update(
+            record.measurement.hitch_angle, record.estimate.hitch_angle, simulated, moves=moves
+        )
         if not (engaged and self.excludes_trailer):
             self._trailer = CONFIRMED if contradicted else self._trailer + 1 if abs(hitch) > self._hitch_limit else 0
         self.shares = Shares(share / limit, self._reversed.share, self._angles.share, self._turning.share)
@@ -183,9 +186,14 @@ class FaultExclusion:
         return tractor or trailer
 
 
-def _residuals(record: StepRecord) -> tuple[float, float]:
+def _true_to_scale(measured: Measurement, known: Actuation) -> Measurement:
+    """Return a measurement whose angles of hitch and joint are corrected as the step corrects them."""
+    hitch = measured.hitch_angle * (1.0 + known.hitch_scale)
+    return replace(measured, hitch_angle=hitch, trailer_steering=measured.trailer_steering * (1.0 + known.joint_scale))
+
+
+def _residuals(measured: Measurement, estimate: Estimate) -> tuple[float, float]:
     """Return measured minus estimated angles of hitch and joint, rad; 0 where one of both is missing."""
-    measured, estimate = record.measurement, record.estimate
     if estimate.status is not SolverStatus.SOLVED:
         return 0.0, 0.0
     hitch = measured.hitch_angle - estimate.hitch_angle

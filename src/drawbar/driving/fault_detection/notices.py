@@ -28,6 +28,8 @@ _UNPAIRED = 2.0
 """without an epoch of both receivers, after which their times are reported, s"""
 _CHANGED = math.radians(1.5)
 """of the tractor's yaw by two antennas against fixes and angles, rad; of sound ones below 1.3° with roll measured"""
+_SCALE = 0.1
+"""error of the scale of hitch or joint, less a standard deviation"""
 _TURN = 0.5
 """longest between two estimates that show how fast the tractor turns, s"""
 _KEPT = frozenset(
@@ -149,6 +151,8 @@ class Notices:
         # where nothing shows how the masts lean, a slope turns the line of both antennas too
         if math.isfinite(record.measurement.tractor_roll) and abs(self._number("yaw.change")) > _CHANGED:
             present[Cause.YAW_CHANGED] = None
+        if max(abs(record.actuation.hitch_scale), abs(record.actuation.joint_scale)) > _SCALE:
+            present[Cause.ANGLE_SCALE] = None
         if mirrored:  # the trailer's angles contradict an estimate that is turned the wrong way
             present = dict.fromkeys([Cause.STEERING_MIRRORED]) | present
             present.pop(Cause.TRAILER_CONTRADICTS, None)

@@ -8,7 +8,7 @@ import math
 
 from drawbar.driving.fault_detection.running_rms import MOVES
 from drawbar.geometry import wrap
-from drawbar.signals import Measurement, SolverStatus, StepRecord
+from drawbar.signals import Estimate, Measurement, SolverStatus
 from drawbar.vehicle.articulated import tractor_rates, trailer_yaw_rate
 from drawbar.vehicle.lengths import length_values
 from drawbar.vehicle.parameters import VehicleParameters
@@ -41,28 +41,26 @@ class SimulatedHitchAngle:
         self._last: Measurement | None = None
         self._gamma = 0.0  # tractor yaw minus trailer yaw, rad
 
-    def update(self, record: StepRecord) -> float:
+    def update(self, measured: Measurement, found: Estimate) -> float:
         """Simulate on to a step; return the hitch angle, rad.
 
         NaN: not all inputs are known, or the vehicle stands; it begins anew where the angle is measured.
         """
-        measured, last = record.measurement, self._last
-        self._last = measured
-        simulated = self._simulate(record, last)
-        if record.estimate.status is SolverStatus.SOLVED:
-            self._tractor_crab.add(record.estimate.tractor_crab, self._sample_time)
-            self._trailer_crab.add(record.estimate.trailer_crab, self._sample_time)
-            self._offset.add(record.estimate.steering_offset, self._sample_time)
+        last, self._last = self._last, measured
+        simulated = self._simulate(measured, found, last)
+        if found.status is SolverStatus.SOLVED:
+            self._tractor_crab.add(found.tractor_crab, self._sample_time)
+            self._trailer_crab.add(found.trailer_crab, self._sample_time)
+            self._offset.add(found.steering_offset, self._sample_time)
         if not simulated:
             self._gamma = measured.hitch_angle + measured.trailer_steering
             return math.nan
         return self._gamma - measured.trailer_steering
 
-    def _simulate(self, record: StepRecord, last: Measurement | None) -> bool:
+    def _simulate(self, now: Measurement, found: Estimate, last: Measurement | None) -> bool:
         """Simulate since the last sample; return whether all inputs were known."""
         if last is None or not math.isfinite(self._gamma):
             return False
-        now, found = record.measurement, record.estimate
         joint_rate = (now.trailer_steering - last.trailer_steering) / self._sample_time
         joint = 0.5 * (now.trailer_steering + last.trailer_steering)
         steering = 0.5 * (now.tractor_steering + last.tractor_steering)

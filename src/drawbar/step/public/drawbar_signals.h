@@ -272,6 +272,10 @@ struct drawbar_actuation {
                                          * `sensors.fixes.age` state, s */
     double hitch_latency;               /* of the hitch angle, identified by the ways of both antennas, beyond its
                                          * reported age, s */
+    double hitch_scale;                 /* identified scale error of the hitch sensor: true per measured angle,
+                                         * less 1 */
+    double joint_scale;                 /* identified scale error of the joint's sensor, by which its board
+                                         * follows commands as well */
     double tractor_roll_offset;         /* identified zero of the tractor's roll sensor, beyond the stated offset,
                                          * rad */
     double tractor_roll_deviation;      /* standard deviation, rad */

@@ -1,4 +1,4 @@
-"""The latency of the hitch angle that no sensor tells: found from the ways of both axles, and brought up to now."""
+"""Latency and scale errors of hitch and joint that no sensor tells, found from the ways of both axles."""
 
 import math
 from collections.abc import Callable
@@ -10,10 +10,12 @@ from alignment import Alignment
 from alone import Alone
 from c_signals import Real
 from ordinary import believed, measured
+from scaled_sensors import simulation
 
 from drawbar.codegen import Unit
 from drawbar.config import load_configuration
 from drawbar.geometry import Floats, wrap
+from drawbar.report.path_errors import true_path_errors
 from drawbar.signals import Pose
 from drawbar.simulation import simulate
 from drawbar.vehicle.articulated import trailer_antenna, trailer_yaw_rate
@@ -21,19 +23,19 @@ from drawbar.vehicle.lengths import length_values
 from drawbar.vehicle.parameters import VehicleParameters
 
 UNIT = """
-#include "hitch_latency.h"
+#include "angle_errors.h"
 #include "unit.h"
-struct component { struct hitch_latency hitch; double points[4]; };
-#define COMPONENT_FIELDS FIELD(component, hitch.latency, 0, 1, 0, 0) FIELD(component, points, 0, 4, 0, 0) \\
-    FIELD(component, hitch.state, 0, HITCH_STATES, 0, 0) \\
-    FIELD(component, hitch.covariance, 0, HITCH_STATES, HITCH_STATES, 0)
-int UNIT(taken)(struct component *component, double yaw, double gamma, double bent, double creep, double ahead,
-                double elapsed)
+struct component { struct angle_errors errors; double points[4]; };
+#define COMPONENT_FIELDS FIELD(component, errors.latency, 0, 1, 0, 0) FIELD(component, points, 0, 4, 0, 0) \\
+    FIELD(component, errors.scales, 0, ANGLES, 0, 0) FIELD(component, errors.state, 0, ANGLE_STATES, 0, 0) \\
+    FIELD(component, errors.covariance, 0, ANGLE_STATES, ANGLE_STATES, 0)
+int UNIT(taken)(struct component *component, double yaw, double hitch, double joint, double bent, double creep,
+                double ahead, double elapsed)
 {
-    struct hitch_sample sample = {.yaw = yaw, .gamma = gamma, .bent = bent, .creep = creep};
+    struct angle_sample sample = {.yaw = yaw, .angles = {hitch, joint}, .bent = bent, .creep = creep};
 
     memcpy(sample.points, component->points, sizeof sample.points);
-    hitch_latency_take(&component->hitch, &sample, ahead, elapsed);
+    angle_errors_take(&component->errors, &sample, ahead, elapsed);
     return 0;
 }
 """
@@ -43,33 +45,37 @@ VEHICLE = VehicleParameters()
 LENGTHS = length_values(VEHICLE)
 
 
-class Hitch(Alone):
-    """What finds the latency, by itself."""
+class Angles(Alone):
+    """What finds the errors, by itself."""
 
     def __init__(self) -> None:
-        super().__init__(Unit(name="hitch_latency", source=UNIT, configure=lambda workspace: None))
+        super().__init__(Unit(name="angle_errors", source=UNIT, configure=lambda workspace: None))
 
-    def take(
-        self, points: Floats, yaw: float, gamma: float, bent: float, *, creep: float = 0.0, elapsed: float = SAMPLE
-    ) -> None:
-        """Take in positions (4,) of both bodies, m, the angles and the expected change of the hitch angle, rad."""
+    def take(self, points: Floats, yaw: float, angles: tuple[float, float], bent: float, *, creep: float = 0.0) -> None:
+        """Take in positions (4,) of both bodies, m, yaw, angles and the expected change of the hitch angle, rad."""
         self.live.array("points")[:] = points
-        self.call("taken", *map(Real, (yaw, gamma, bent, creep, VEHICLE.trailer_antenna, elapsed)))
+        self.call("taken", *map(Real, (yaw, *angles, bent, creep, VEHICLE.trailer_antenna, SAMPLE)))
 
     @property
     def found(self) -> Floats:
-        """Unexplained distance, m; constant error, rad; error of the scale; latency, s."""
-        return self.live.array("hitch.state").copy()
+        """Unexplained distance, m; constant error, rad; scale errors of hitch and joint; latency, s."""
+        return self.live.array("errors.state").copy()
 
     @property
-    def deviation(self) -> float:
-        """Of the latency, s."""
-        return math.sqrt(self.live.array("hitch.covariance")[3, 3])
+    def deviations(self) -> Floats:
+        """Of the same."""
+        deviations: Floats = np.sqrt(np.diag(self.live.array("errors.covariance")))
+        return deviations
 
     @property
     def latency(self) -> float:
         """Corrected for, s."""
-        return float(self.live.array("hitch.latency").item())
+        return float(self.live.array("errors.latency").item())
+
+    @property
+    def scales(self) -> Floats:
+        """Of hitch and joint: true per measured angle, less 1, as corrected for."""
+        return self.live.array("errors.scales").copy()
 
 
 @dataclass(frozen=True)
@@ -127,26 +133,28 @@ def eight() -> Drive:
 
 
 def follow(
-    hitch: Hitch,
+    angles: Angles,
     driven: Drive,
     latency: float,
     *,
     offset: float = 0.0,
     scale: float = 1.0,
+    joint_scale: float = 1.0,
     fix_latency: float = 0.0,
     creep: float = 0.0,
     every: int = 1,
     seen: Callable[[int, Floats, float], tuple[Floats, float]] = lambda k, points, angle: (points, angle),
     seed: int = 3,
 ) -> list[float]:
-    """Drive with a late hitch angle that is brought up by what is corrected for; return that at each sample, s.
+    """Drive with angles that are corrected by what is found; return the latency that is, at each sample, s.
 
     Args:
-        hitch: finds the latency.
+        angles: finds the errors.
         driven: the true drive.
         latency: of the hitch angle, s.
         offset: constant error of the hitch angle, rad.
-        scale: measured per true.
+        scale: measured hitch angle per true one.
+        joint_scale: the same of the joint's.
         fix_latency: of the fixes, s.
         creep: that is known, rad/g.
         every: a new fix comes with each so manieth sample; the last one is repeated in between.
@@ -160,10 +168,11 @@ def follow(
         shown = noisy if k % every == 0 else shown
         angle = scale * driven.hitch_at(k, latency) + offset + rng.normal(0.0, 0.5 * DEGREE)
         points, angle = seen(k, shown, angle)
-        angle += hitch.latency / SAMPLE * (now - before)
+        hitch = angle * (1.0 + angles.scales[0]) + angles.latency / SAMPLE * (now - before)
+        joint = joint_scale * driven.joint[k * PARTS] * (1.0 + angles.scales[1])
         yaw = wrap(driven.yaw[k * PARTS] + rng.normal(0.0, 0.5 * DEGREE))
-        hitch.take(points, yaw, angle + driven.joint[k * PARTS], now - before, creep=creep)
-        reckoned.append(hitch.latency)
+        angles.take(points, yaw, (hitch, joint), now - before, creep=creep)
+        reckoned.append(angles.latency)
     return reckoned
 
 
@@ -172,53 +181,91 @@ def follow(
 def test_it_is_found_and_reckoned_with_as_far_as_it_is_sure(
     eight: Drive, latency: float, offset: float, scale: float
 ) -> None:
-    reckoned = follow(hitch := Hitch(), eight, latency, offset=offset * DEGREE, scale=scale)
-    assert hitch.found[3] == pytest.approx(latency, abs=0.03)
-    assert max(latency - 0.06, 0.0) <= hitch.latency <= latency + 0.02
+    reckoned = follow(angles := Angles(), eight, latency, offset=offset * DEGREE, scale=scale)
+    assert angles.found[4] == pytest.approx(latency, abs=0.03)
+    assert max(latency - 0.06, 0.0) <= angles.latency <= latency + 0.02
     assert reckoned[149] >= latency - 0.08  # within half a minute
+
+
+@pytest.mark.parametrize("latency", [0.0, 0.15])
+@pytest.mark.parametrize(("hitch", "joint"), [(0.7, 1.0), (1.3, 1.0), (1.0, 0.75), (1.0, 1.25), (1.2, 0.85)])
+def test_scales_of_hitch_and_joint_are_found(eight: Drive, hitch: float, joint: float, latency: float) -> None:
+    follow(angles := Angles(), eight, latency, scale=hitch, joint_scale=joint, offset=1.0 * DEGREE)
+    expected = np.array([1.0 / hitch, 1.0 / joint]) - 1.0
+    np.testing.assert_allclose(angles.found[2:4], expected, atol=0.06)
+    np.testing.assert_allclose(angles.scales, expected, atol=0.12)
+
+
+def test_a_scale_that_is_right_is_not_corrected(eight: Drive) -> None:
+    for seed in range(10):
+        follow(angles := Angles(), eight, 0.0, offset=1.0 * DEGREE, seed=seed)
+        assert not angles.scales.any()
+
+
+def test_a_scale_is_corrected_slowly_and_never_beyond_its_limit(eight: Drive) -> None:
+    angles, scales = Angles(), []
+
+    def noted(k: int, points: Floats, angle: float) -> tuple[Floats, float]:
+        scales.append(angles.scales[0])
+        return points, angle
+
+    follow(angles, eight, 0.0, scale=0.5, seen=noted)
+    assert max(scales) == pytest.approx(0.4)
+    assert 0.0 < np.abs(np.diff(scales)).max() <= 0.05 * SAMPLE + 1e-12
+
+
+def test_positions_that_jump_do_not_touch_the_scales(eight: Drive) -> None:
+    angles, scales = Angles(), []
+
+    def jumped(k: int, points: Floats, angle: float) -> tuple[Floats, float]:
+        scales.append(angles.scales[0])
+        return points + (np.array([2.0, 2.0, 0.0, 0.0]) if k >= 400 else 0.0), angle
+
+    follow(angles, eight, 0.0, scale=0.8, seen=jumped)
+    assert min(scales[380:]) > 0.15
 
 
 @pytest.mark.parametrize("speed", [1.0, 3.0])
 def test_it_is_found_at_other_speeds(speed: float) -> None:
-    follow(hitch := Hitch(), drive(600, speed, curve=0.125 * speed), 0.2)
-    assert hitch.found[3] == pytest.approx(0.2, abs=0.05)
+    follow(angles := Angles(), drive(600, speed, curve=0.125 * speed), 0.2)
+    assert angles.found[4] == pytest.approx(0.2, abs=0.05)
 
 
 def test_where_nothing_is_late_next_to_nothing_is_ever_corrected(eight: Drive) -> None:
-    assert max(max(follow(Hitch(), eight, 0.0, seed=seed)) for seed in range(10)) < 0.02
+    assert max(max(follow(Angles(), eight, 0.0, seed=seed)) for seed in range(10)) < 0.02
 
 
 def test_what_is_reckoned_with_changes_slowly_and_never_beyond_its_limit(eight: Drive) -> None:
-    reckoned = follow(Hitch(), eight, 0.4)
+    reckoned = follow(Angles(), eight, 0.4)
     assert max(reckoned) == 0.25
     assert 0.0 < np.abs(np.diff(reckoned)).max() <= 0.1 * SAMPLE + 1e-12
 
 
 def test_fixes_that_are_late_are_no_hitch_angle_that_is_early(eight: Drive) -> None:
-    reckoned = follow(hitch := Hitch(), eight, 0.0, fix_latency=0.2)
-    assert hitch.found[3] == pytest.approx(-0.2, abs=0.05)
+    reckoned = follow(angles := Angles(), eight, 0.0, fix_latency=0.2)
+    assert angles.found[4] == pytest.approx(-0.2, abs=0.05)
     assert max(reckoned) == 0.0
 
 
 def test_along_a_straight_nothing_is_learned() -> None:
-    follow(hitch := Hitch(), drive(200, curve=0.0, weave=0.0), 0.2)
-    assert hitch.latency == 0.0
-    assert hitch.deviation > 0.09
+    follow(angles := Angles(), drive(200, curve=0.0, weave=0.0), 0.2)
+    assert angles.latency == 0.0
+    assert angles.deviations[4] > 0.09
 
 
 def test_axles_that_drift_out_of_curves_do_not_hide_it() -> None:
     soft = drive(600, creep=0.36)
-    follow(known := Hitch(), soft, 0.15, creep=0.36)
-    follow(unknown := Hitch(), soft, 0.15)
-    assert known.found[3] == pytest.approx(0.15, abs=0.03)
-    assert unknown.found[3] == pytest.approx(0.15 - 0.36 * 2.0 / 9.81, abs=0.03)  # less than there is
+    follow(known := Angles(), soft, 0.15, creep=0.36)
+    follow(unknown := Angles(), soft, 0.15)
+    assert known.found[4] == pytest.approx(0.15, abs=0.03)
+    assert unknown.found[4] == pytest.approx(0.15 - 0.36 * 2.0 / 9.81, abs=0.03)  # less than there is
 
 
 @pytest.mark.parametrize("every", [2, 3])
 @pytest.mark.parametrize("latency", [0.0, 0.2])
 def test_fixes_may_come_less_often_than_samples(eight: Drive, latency: float, every: int) -> None:
-    reckoned = follow(hitch := Hitch(), eight, latency, every=every)
-    assert hitch.found[3] == pytest.approx(latency, abs=0.03)
+    reckoned = follow(angles := Angles(), eight, latency, every=every)
+    assert angles.found[4] == pytest.approx(latency, abs=0.03)
     assert max(reckoned) < latency + 0.02
 
 
@@ -226,19 +273,19 @@ def test_gaps_of_fixes_and_angle_cost_no_more_than_they_last(eight: Drive) -> No
     def gappy(k: int, points: Floats, angle: float) -> tuple[Floats, float]:
         return (np.full(4, math.nan) if k % 50 < 10 else points), (math.nan if k % 70 == 40 else angle)
 
-    follow(hitch := Hitch(), eight, 0.2, seen=gappy)
-    assert hitch.found[3] == pytest.approx(0.2, abs=0.03)
+    follow(angles := Angles(), eight, 0.2, seen=gappy)
+    assert angles.found[4] == pytest.approx(0.2, abs=0.03)
 
 
 def test_over_a_gap_that_is_long_no_ways_are_compared(eight: Drive) -> None:
     begins: list[bool] = []
-    hitch = Hitch()
+    angles = Angles()
 
     def gappy(k: int, points: Floats, angle: float) -> tuple[Floats, float]:
-        begins.append(k in {104, 205} and hitch.found[0] == 0.0)  # just after the first pair of fixes
+        begins.append(k in {104, 205} and angles.found[0] == 0.0)  # just after the first pair of fixes
         return (np.full(4, math.nan) if k in {100, 101, 102, *range(200, 204)} else points), angle
 
-    follow(hitch, eight, 0.2, seen=gappy)
+    follow(angles, eight, 0.2, seen=gappy)
     assert [k + 2 for k, begun in enumerate(begins) if begun] == [205]
 
 
@@ -246,50 +293,52 @@ def test_a_single_false_position_teaches_nothing(eight: Drive) -> None:
     def false(k: int, points: Floats, angle: float) -> tuple[Floats, float]:
         return points + (np.array([2.0, 2.0, 0.0, 0.0]) if k == 300 else 0.0), angle
 
-    follow(with_it := Hitch(), eight, 0.2, seen=false)
-    follow(without := Hitch(), eight, 0.2)
-    assert with_it.found[3] == pytest.approx(without.found[3], abs=0.01)
+    follow(with_it := Angles(), eight, 0.2, seen=false)
+    follow(without := Angles(), eight, 0.2)
+    assert with_it.found[4] == pytest.approx(without.found[4], abs=0.01)
 
 
 def test_where_the_antennas_have_moved_apart_it_begins_anew_and_what_is_corrected_fades(eight: Drive) -> None:
     def jumped(k: int, points: Floats, angle: float) -> tuple[Floats, float]:
         return points + (np.array([2.0, 2.0, 0.0, 0.0]) if k >= 300 else 0.0), angle
 
-    reckoned = follow(hitch := Hitch(), eight, 0.2, seen=jumped)
+    reckoned = follow(angles := Angles(), eight, 0.2, seen=jumped)
     assert reckoned[290] > 0.15
     assert 0.0 <= min(reckoned[300:330]) < 0.1
     assert np.diff(reckoned).min() >= -0.1 * SAMPLE - 1e-12
-    assert hitch.found[3] == pytest.approx(0.2, abs=0.03)
+    assert angles.found[4] == pytest.approx(0.2, abs=0.03)
 
 
 def test_what_is_found_is_that_of_a_kalman_filter_in_textbook_form(eight: Drive) -> None:
-    rng, hitch, ahead = np.random.default_rng(1), Hitch(), VEHICLE.trailer_antenna
-    state, covariance = np.zeros(4), np.diag([0.05, 0.035, 0.05, 0.1]) ** 2
-    last: tuple[Floats, float, float] | None = None
+    rng, tried, ahead = np.random.default_rng(1), Angles(), VEHICLE.trailer_antenna
+    state, covariance = np.zeros(5), np.diag([0.05, 0.035, 0.1, 0.1, 0.1]) ** 2
+    last: tuple[Floats, float, Floats] | None = None
     for k in range(2, 300):
         points = eight.points[k * PARTS] + rng.normal(0.0, 0.02, 4)
         yaw, bent = float(eight.yaw[k * PARTS]), eight.hitch_at(k, 0.0) - eight.hitch_at(k, SAMPLE)
-        reckoned, gamma = hitch.latency, eight.hitch_at(k, 0.15) + float(eight.joint[k * PARTS])
-        hitch.take(points, yaw, gamma, bent, creep=0.1)
+        reckoned = np.array([0.0, 0.0, *tried.scales, tried.latency])
+        angles = np.array([0.8 * eight.hitch_at(k, 0.15), 1.1 * float(eight.joint[k * PARTS])])
+        tried.take(points, yaw, (float(angles[0]), float(angles[1])), bent, creep=0.1)
         if last is not None:
-            moved, turned, closed = points - last[0], yaw - last[1], gamma - last[2]
-            middle, between = 0.5 * (yaw + last[1]), 0.5 * (gamma + last[2])
-            psi = middle - between
+            moved, turned, closed = points - last[0], yaw - last[1], float(np.sum(angles - last[2]))
+            middle, between = 0.5 * (yaw + last[1]), 0.5 * (angles + last[2])
+            psi = middle - between.sum()
             way = moved[2:] @ [math.cos(psi), math.sin(psi)]
             across = moved[:2] @ [-math.sin(middle), math.cos(middle)] - moved[2:] @ [-math.sin(psi), math.cos(psi)]
             across += ahead * (turned - closed)
-            F = np.eye(4)
-            F[0] = [1.0, way, way * between, way / SAMPLE * bent]
+            F = np.eye(5)
+            F[0] = [1.0, way, *(way * between), way / SAMPLE * bent]
             state = F @ state
-            state[0] -= way / SAMPLE * bent * reckoned + 0.1 * (way / SAMPLE) ** 2 / 9.81 * closed + across
+            state[0] -= F[0] @ reckoned + 0.1 * (way / SAMPLE) ** 2 / 9.81 * closed + across
             covariance = F @ covariance @ F.T
-            covariance += np.diag([(0.02 * way) ** 2, SAMPLE * 0.005**2, 0.0, SAMPLE * 0.002**2])
+            covariance += np.diag([(0.02 * way) ** 2, *(SAMPLE * np.square([0.005, 0.001, 0.001, 0.002]))])
             gain = covariance[0] / (covariance[0, 0] + 0.05**2)
             state = state - gain * state[0]
             covariance = covariance - np.outer(gain, covariance[0])
-        last = points, yaw, gamma
-        np.testing.assert_allclose(hitch.found, state, rtol=0.0, atol=1e-10)
-    assert hitch.deviation == pytest.approx(math.sqrt(covariance[3, 3]), rel=1e-9)
+        last = points, yaw, angles
+        np.testing.assert_allclose(tried.found, state, rtol=0.0, atol=1e-10)
+    np.testing.assert_allclose(tried.deviations, np.sqrt(np.diag(covariance)), rtol=1e-9)
+    assert tried.scales.any()  # corrections were part of it
 
 
 def test_the_creep_that_is_estimated_counts() -> None:
@@ -315,7 +364,7 @@ def test_the_creep_that_is_estimated_counts() -> None:
 @pytest.mark.parametrize("age", [math.nan, 0.0, 0.05])
 def test_what_is_found_adds_to_the_age_that_is_told(age: float) -> None:
     alignment = Alignment(VEHICLE)
-    alignment.live.array("hitch.latency")[...] = 0.1
+    alignment.live.array("angles.latency")[...] = 0.1
     before = believed(Pose(x=0.0, y=0.0, yaw=0.0), Pose(x=-2.15, y=0.0, yaw=0.0), time=1.0)
     now = replace(before, time=1.2, hitch_angle=0.06)
     aligned = alignment.apply(
@@ -351,3 +400,18 @@ def test_fixes_that_are_coarse_show_nothing() -> None:
         load_configuration("articulated", ["path.radii=[8.0]", "speed=2.0", LATE.format(0.2, "false"), floats]), seed=1
     )
     assert {record.actuation.hitch_latency for record in log.records} == {0.0}
+
+
+@pytest.mark.parametrize("speed", [1.0, 2.0])
+@pytest.mark.parametrize(("hitch", "joint"), [(0.8, 1.0), (1.2, 1.0), (1.0, 0.8), (1.0, 1.25)])
+def test_a_drive_keeps_its_line_with_wrong_scales_and_tells_them(hitch: float, joint: float, speed: float) -> None:
+    run = simulation(["path.radii=[8.0]", f"speed={speed}"], 1, hitch=hitch, joint=joint)
+    log = run.log()
+    assert log.outcome is not None
+    assert log.outcome.finished
+    assert np.abs(true_path_errors(log).tractor.error).max() < 0.2
+    known = log.records[-1].actuation
+    assert (known.hitch_scale, known.joint_scale) == pytest.approx((1.0 / hitch - 1.0, 1.0 / joint - 1.0), abs=0.15)
+    assert max(known.hitch_scale, known.joint_scale, key=abs) == (
+        known.joint_scale if hitch == 1.0 else known.hitch_scale
+    )
