@@ -31,6 +31,14 @@ def test_of_a_sound_machine_nothing_is_told(change):
     assert max(metrics.residual_m.tractor, metrics.residual_m.trailer) < 0.015
 
 
+def test_a_mast_that_is_known_to_lean_by_the_other_bodys_sensor_alone_is_no_error_of_the_estimate():
+    masts = "vehicle.masts={tractor={up=2.5},trailer={up=2.0}}"
+    metrics = metrics_of(SLOPE, masts, "machine.attitude.tractor.present=true")
+    assert texts(metrics) == []
+    assert metrics.residual_m.tractor < 0.015
+    assert math.isnan(metrics.residual_m.trailer)
+
+
 @pytest.mark.parametrize(("body", "side", "aside"), [("tractor", "left", 0.1), ("trailer", "right", -0.1)])
 def test_antennas_aside_of_where_they_are_stated_are_found_on_a_slope_too(body, side, aside):
     """Both stand to the left; the estimated distances show a third of it."""
@@ -59,4 +67,5 @@ def test_fixes_that_are_later_than_they_tell_lie_beside_the_estimate():
     sound, metrics = metrics_of("speed=2.0"), metrics_of(*late)
     assert metrics.residual_m.tractor > 2.0 * sound.residual_m.tractor
     (told,) = texts(metrics)
-    assert "positions lay beside the estimate (tractor 2 cm" in told
+    lay = round(100.0 * metrics.residual_m.tractor)
+    assert f"positions lay beside the estimate (tractor {lay} cm" in told

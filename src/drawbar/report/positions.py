@@ -97,6 +97,8 @@ def _residuals(log: Columns, body: str) -> tuple[Floats, Floats]:
         np.interp(then, time[steps], of[steps]) for of in (*(log.column(f"estimate.{body}.{c}") for c in "xy"), yaw)
     )
     mast = getattr(log.header.vehicle.masts, body)
+    if _lean_is_predicted(log, body):
+        return time[:0], yaw[:0]
     attitudes = zip(
         yaw, *(log.column(f"measurement.{body}_{angle}")[steps] for angle in ("roll", "pitch")), strict=True
     )
@@ -104,6 +106,15 @@ def _residuals(log: Columns, body: str) -> tuple[Floats, Floats]:
     fix_x, fix_y = (log.column(f"measurement.{body}_{c}")[steps] for c in "xy")
     left: Floats = (fix_y - north - y) * np.cos(yaw) - (fix_x - east - x) * np.sin(yaw)
     return time[steps][np.isfinite(left)], left[np.isfinite(left)]
+
+
+def _lean_is_predicted(log: Columns, body: str) -> bool:
+    """Return whether the estimator takes the roll from the ground that the other body has recorded.
+
+    The log does not hold how much that made a mast lean.
+    """
+    measured = {each: bool(np.isfinite(log.column(f"measurement.{each}_roll")).any()) for each in BODIES}
+    return getattr(log.header.vehicle.masts, body).up > 0.0 and not measured[body] and any(measured.values())
 
 
 def _common_slip(log: Columns) -> float:
