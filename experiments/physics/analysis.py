@@ -5,16 +5,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from drawbar.experiment.comparison import comparison
+from drawbar.experiment.distances import BEGINS, distance_figures
 from drawbar.experiment.elements import Element, Table
 from drawbar.experiment.measured import MeasuredExperiment
 from drawbar.experiment.task import Result
 
 PRODUCT = "articulated"
 BODIES = ("tractor", "trailer")
-MEANS = tuple(f"{body} mean" for body in BODIES)
-LARGEST = tuple(f"{body} largest" for body in BODIES)
-BEGINS = 5.0
-"""way along the path that is left out at the start, m"""
 VALIDATION = {
     "flat, 1 m/s": ("0.9 / 2.4 / 4", "1.0 / 3.0 / 7"),
     "flat, 2 m/s": ("1.6 / 3.7 / 6", "1.7 / 5.1 / 9"),
@@ -34,21 +31,8 @@ arm before the autopilot, with noise of 0.3° in the field; on the tractor alone
 
 
 def figures(result: Result) -> dict[str, float]:
-    """Return mean, standard deviation, 95 % and largest distance of both bodies, cm, masked fixes, %, and roll, °."""
-    found: dict[str, float] = {}
-    for body in BODIES:
-        error, progress = 100.0 * result.columns[f"error.{body}"], result.columns[f"progress.{body}"]
-        begun = progress - np.nanmin(progress) > BEGINS
-        straight = begun & (result.columns[f"reference.{body}.closest.3"] == 0.0)
-        on_straights, error = error[straight], error[begun]
-        size = np.abs(error)
-        found |= {
-            f"{body} mean": float(size.mean()),
-            f"{body} SD": float(error.std()),
-            f"{body} 95 %": float(np.percentile(size, 95.0)),
-            f"{body} largest": float(size.max()),
-            f"{body} straight SD": float(on_straights.std()),
-        }
+    """Return both bodies' distances, cm, masked fixes, %, and root mean square of the tractor's roll, °."""
+    found = distance_figures(result, "tractor") | distance_figures(result, "trailer")
     found["masked"] = 100.0 * result.metrics.rejected_fixes / (2 * len(result.columns["measurement.time"]))
     found["roll"] = float(np.degrees(np.sqrt(np.mean(result.columns["truth.tractor_roll"] ** 2))))
     return found
@@ -60,21 +44,23 @@ def report(measured: MeasuredExperiment) -> Iterator[Element]:
     yield Table(
         name="product",
         caption=f"`{PRODUCT}`: distance of the points on the ground from the path after the first {BEGINS:g} m: mean / "
-        "95 % (means over the seeds) / largest of all seeds, standard deviation of the signed distance, and that on "
-        "the straights, in brackets, cm, beside the independent validation's mean / 95 % / max of two seeds. Fixes "
-        "that were not believed, %; root mean square of the tractor's roll, °.",
+        "95 % (means over the seeds) / largest of all seeds, and in brackets the standard deviation of the signed "
+        f"distance, that on all straights, and on each straight by itself after its first {BEGINS:g} m, cm, beside the "
+        "independent validation's mean / 95 % / max of two seeds. Fixes that were not believed, %; root mean "
+        "square of the tractor's roll, °.",
         header=["", "finished", "tractor", "validation", "trailer", "validation", "masked, %", "roll, °"],
         rows=[_row(measured, variant) for variant in variants],
     )
-    yield from comparison(measured, PRODUCT, MEANS, LARGEST)
+    yield from comparison(measured, PRODUCT)
 
 
 def _row(measured: MeasuredExperiment, variant: str) -> list[str]:
     case = f"{PRODUCT}: {variant}"
     cells = [variant, measured.finished(case)]
     for body, validated in zip(BODIES, VALIDATION.get(variant, ("", "")), strict=True):
-        names = ("mean", "95 %", "SD", "straight SD")
-        mean, high, spread, straight = (measured.statistic(case, f"{body} {name}").mean for name in names)
+        names = ("mean", "95 %", "SD", "straight SD", "each straight SD")
+        mean, high, *spread = (measured.statistic(case, f"{body} {name}").mean for name in names)
         largest = measured.statistic(case, f"{body} largest").largest
-        cells += [f"{mean:.1f} / {high:.1f} / {largest:.0f} ({spread:.1f}; {straight:.1f})", validated]
+        spreads = "; ".join(f"{each:.1f}" for each in spread)
+        cells += [f"{mean:.1f} / {high:.1f} / {largest:.0f} ({spreads})", validated]
     return [*cells, *(f"{measured.statistic(case, name).mean:.2f}" for name in ("masked", "roll"))]

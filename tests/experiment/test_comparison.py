@@ -13,7 +13,7 @@ title = "Compared"
 cases = [{ name = "a", configuration = "articulated" }, { name = "b", configuration = "paper", variants = ["x", "y"] }]
 variants = [{ name = "x" }, { name = "y" }, { name = "z" }]
 """
-MEANS, LARGEST = (tuple(f"{body} {name}" for body in ("tractor", "trailer")) for name in ("mean", "largest"))
+FIGURES = [f"{body} {name}" for name in ("mean", "largest", "SD", "95 %") for body in ("tractor", "trailer")]
 
 
 def test_means_stand_side_by_side_and_who_is_nearer_with_both_bodies_is_named(
@@ -21,13 +21,16 @@ def test_means_stand_side_by_side_and_who_is_nearer_with_both_bodies_is_named(
 ) -> None:
     driven = {"a: x": (2.0, 2.0), "a: y": (1.0, 1.0), "a: z": (1.0, 1.0), "b: x": (1.0, 1.5), "b: y": (0.5, 1.5)}
     runs = {name: Runs(results=[short_result], failures=[]) for name in driven}
-    figures = {name: [dict(zip(MEANS + LARGEST, (*each, 9.0, 8.0), strict=True))] for name, each in driven.items()}
+    others = (9.0, 8.0, 1.5, 1.6, 4.0, 5.0)
+    figures = {name: [dict(zip(FIGURES, (*each, *others), strict=True))] for name, each in driven.items()}
     measured = MeasuredExperiment(experiment=write_experiment(TOML), seeds=1, runs=runs, figures=figures)
-    table, said = comparison(measured, "a", MEANS, LARGEST)
+    table, spreads, said = comparison(measured, "a")
     assert isinstance(table, Table)
+    assert isinstance(spreads, Table)
     assert isinstance(said, Text)
     assert table.rows == [
         ["x", "2.0 / 2.0, 9 / 8", "1.0 / 1.5, 9 / 8"],
         ["y", "1.0 / 1.0, 9 / 8", "0.5 / 1.5, 9 / 8"],
     ]
+    assert spreads.rows[0] == ["x", *2 * ["1.5 / 1.6, 4.0 / 5.0"]]
     assert "- `b`: x\n" in said.text
