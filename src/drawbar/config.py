@@ -47,7 +47,7 @@ StartOffset = Annotated[float, Field(ge=-1000.0, le=1000.0)]
 class StartSettings(Settings):
     """Where the simulated machine stands at first, seen from the start of the path. The run begins beside it, anywhere.
 
-    A path with `path.working_width` is driven in the direction in which the machine faces.
+    A recorded line, and a path with `path.working_width`, is driven in the direction in which the machine faces.
     """
 
     ahead: StartOffset = 0.0

@@ -152,7 +152,7 @@ class Simulation:
         machine = build_machine(configuration, path, seed)
         self.machine: MachineWithTruth = machine
         self._slide = machine.slide
-        reach, both_ways = configuration.guidance.maximum_start_distance, configuration.path.working_width > 0.0
+        reach, both_ways = configuration.guidance.maximum_start_distance, configuration.path.both_ways
         self.path, at = beginning(path, self.machine.truth().tractor, reach=reach, both_ways=both_ways)
         self.autopilot = build_autopilot(configuration)
         self.autopilot.begin(self.path, at=at)

@@ -119,11 +119,14 @@ def test_a_run_begins_where_the_machine_stands_on_the_path(build):
     assert simulation.header().path.path().length == simulation.path.length
 
 
-def test_a_run_goes_the_way_that_the_machine_faces_where_the_line_has_both(build):
+def test_a_run_goes_the_way_that_the_machine_faces_along_recorded_and_parallel_lines(build):
     there = "path.radii=[8.0]", "start.ahead=9.0", "start.yaw=3.1415"
     assert build("articulated", *there).autopilot.start == pytest.approx(9.0, abs=1e-6)
     back = build("articulated", *there, "path.working_width=3.0")
     assert back.autopilot.start == pytest.approx(back.path.length - 9.0, abs=1e-6)
+    brook = "path.file=examples/brook.csv", "start.ahead=20.0"
+    there, back_again = build("articulated", *brook), build("articulated", *brook, "start.yaw=3.1415")
+    assert there.path.length - there.autopilot.start == pytest.approx(back_again.autopilot.start, abs=1e-6)
     records = list(islice(back.steps(), 15))
     assert {record.status for record in records} == {Status.OK}
     assert all(abs(record.reference.tractor.lateral_error) < 0.1 for record in records)

@@ -38,8 +38,8 @@ def _checked(path: Path, at: float, vehicle: Pose, reach: float) -> tuple[Path, 
     if not at < path.length:
         raise PathError(
             f"the tractor at ({vehicle.x:z.2f}, {vehicle.y:z.2f}) m stands at the end of the path, {path.length:.2f} "
-            f"m, and nothing of it lies ahead; place it elsewhere, or let it face the other way where "
-            f"path.working_width lets the line be driven both ways"
+            f"m, and nothing of it lies ahead; place it elsewhere, or let it face the other way, where a recorded line "
+            f"(path.file) or a parallel one (path.working_width) is driven"
         )
     return path, at
 

@@ -25,12 +25,17 @@ class PathSettings(Settings):
     offset: Annotated[float, Field(ge=-100.0, le=100.0)] = 0.0
     """how far to the left of the line is driven (right: negative), m"""
     working_width: Annotated[float, Field(ge=0.0, le=60.0)] = 0.0
-    """between parallel lines beside this one, which the operator may choose while the vehicle is not steered, m; each
-    is driven in the direction in which the vehicle faces. 0: there is only this line"""
+    """between parallel lines beside this one, which the operator may choose while the vehicle is not steered, m. 0:
+    there is only this line"""
     radii: Annotated[tuple[TrackLength, ...], Field(strict=False, min_length=1)] = (10.0, 8.0, 6.67)
     """of the figure-eights, one after the other, m"""
     straight_length: TrackLength = 20.0
     """of the figure-eights' straights, m"""
+
+    @property
+    def both_ways(self) -> bool:
+        """Whether it is driven in the direction in which the vehicle faces, as recorded and parallel lines are."""
+        return bool(self.file) or self.working_width > 0.0
 
     @field_validator("file", "track")
     @classmethod

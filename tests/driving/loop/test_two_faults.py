@@ -15,7 +15,7 @@ from drawbar.driving.fault_detection.position_drift import PositionDrift
 from drawbar.driving.fault_detection.sensor_faults import SensorFaults
 from drawbar.driving.loop.control_loop import ControlLoop
 from drawbar.driving.loop.controller import Controller
-from drawbar.signals import Command, FixQuality, FixStatus, SolverStatus, Status
+from drawbar.signals import Actuation, Command, FixQuality, FixStatus, SolverStatus, Status
 from drawbar.simulation import build_path
 
 PERIOD, SPEED, BEHIND = 0.2, 2.0, 5.0
@@ -42,7 +42,7 @@ def step(measurement, hitch):
         tractor=SimpleNamespace(x=measurement.tractor_x, y=measurement.tractor_y, yaw=0.0), trailer=AT,
         longitudinal_slip=1.0, tractor_slip=1.0, steering_offset=0.0, tractor_crab=0.0, trailer_crab=0.0,
     )  # fmt: skip
-    return SimpleNamespace(measurement=measurement, estimate=estimate)
+    return SimpleNamespace(measurement=measurement, estimate=estimate, actuation=Actuation())
 
 
 class Drive:

@@ -83,7 +83,7 @@ class DrivenLine:
     @property
     def both_ways(self) -> bool:
         """Whether it is driven in the direction in which the vehicle faces."""
-        return self.configuration.path.working_width > 0.0
+        return self.configuration.path.both_ways
 
     def faces_away(self, measurement: Measurement, yaw: float) -> bool:
         """Return whether this line is to be turned round for a vehicle that is seen there.

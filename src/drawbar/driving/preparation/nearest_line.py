@@ -70,9 +70,7 @@ def _position(devices: DeviceSettings, name: str) -> Epoch:
 
 
 def nearest_track(configuration: Configuration, place: Standing) -> str:
-    """Return the name of the line to drive: of those along the vehicle the nearest, else the nearest of all.
-
-    A line leads along the vehicle in its own direction, and with `path.working_width` in both.
+    """Return the name of the line to drive: of those along the vehicle, either way, the nearest, else of all.
 
     Raises:
         ConfigurationError: the path has no file.
@@ -91,7 +89,7 @@ def nearest_track(configuration: Configuration, place: Standing) -> str:
             unreadable.append(str(error))
             continue
         frame = line.frame or (configuration.devices.origin if configuration.devices else origin).frame()
-        seen.append(_seen(place, line, frame, reach=reach, both_ways=settings.working_width > 0.0))
+        seen.append(_seen(place, line, frame, reach=reach))
     if not seen:
         raise PathError(f"{source}: none of its lines can be read: {'; '.join(unreadable)}")
     best = min(seen)
@@ -114,15 +112,15 @@ class _Seen(NamedTuple):
     name: str
 
 
-def _seen(place: Standing, line: RecordedLine, frame: LocalFrame, *, reach: float, both_ways: bool) -> _Seen:
-    """Return how a line lies: its nearest place within reach that leads along the vehicle, else its nearest one."""
+def _seen(place: Standing, line: RecordedLine, frame: LocalFrame, *, reach: float) -> _Seen:
+    """Return how a line lies: its nearest place within reach along the vehicle, either way, else its nearest one."""
     east, north = (float(each) for each in frame.east_north(place.latitude, place.longitude))
     points = np.column_stack([line.x, line.y])
     steps, beside = np.diff(points, axis=0), np.array([east, north]) - points[:-1]
     share = np.clip((beside * steps).sum(axis=1) / (steps**2).sum(axis=1), 0.0, 1.0)
     away = np.hypot(*(beside - share[:, None] * steps).T)
     along = np.cos(np.arctan2(steps[:, 1], steps[:, 0]) - place.yaw)
-    leads = (np.abs(along) if both_ways else along) >= math.cos(_ALONG)  # nowhere where the yaw is not known
+    leads = np.abs(along) >= math.cos(_ALONG)  # nowhere where the yaw is not known
     suitable = leads & (away <= reach)
     if suitable.any():
         return _Seen(False, float(away[suitable].min()), line.name)
