@@ -25,6 +25,7 @@ struct component {
     struct rate_history rates;             /* the tractor's, by the wheels */
     struct yaw_residual yaw_residual;
     struct angle_errors angles;            /* of hitch and joint */
+    int32_t identifies;                    /* these are learned: the estimate is no given truth */
 };
 
 #define COMPONENT_FIELDS                                                                                          \
@@ -33,7 +34,8 @@ struct component {
     SETTING(component, yaw.gate, 0, 1, 0, 0)                                                                           \
     FIELD(component, yaw.error, 0, 1, 0, 0) FIELD(component, yaw.latency, 0, 1, 0, 0)                                  \
     FIELD(component, yaw.change, 0, 1, 0, 0) FIELD(component, yaw_rate.exclusion, 0, 1, 0, 0)                                           \
-    FIELD(component, angles.latency, 0, 1, 0, 0) FIELD(component, angles.scales, 0, ANGLES, 0, 0)
+    FIELD(component, angles.latency, 0, 1, 0, 0) FIELD(component, angles.scales, 0, ANGLES, 0, 0)                      \
+    SETTING(component, identifies, 1, 1, 0, 0)
 
 /* The estimated latency of fixes beyond their age, s. */
 static inline double fix_latency(const struct component *alignment)
@@ -210,7 +212,8 @@ int UNIT(apply)(struct component *alignment, const struct drawbar_measurement *m
     aligned->trailer_y = trailer[1];
     judge_deviations(alignment, expected, aligned);
     align_angles(&interval, &alignment->angles, aligned);
-    learn_angle_errors(alignment, &interval, aligned);
+    if (alignment->identifies)
+        learn_angle_errors(alignment, &interval, aligned);
     align_yaw(&alignment->yaw, &alignment->chain, &interval, fix_latency(alignment), aligned);
     align_yaw_rate(&alignment->yaw_rate, &alignment->rates, &alignment->yaw_residual, &alignment->chain, &interval,
                    aligned);

@@ -15,12 +15,13 @@ _PLACES = 64
 """Records of the ground, as in ground_record.h"""
 
 
-def alignment_unit(vehicle: VehicleParameters, sensors: SensorNoise) -> Unit:
+def alignment_unit(vehicle: VehicleParameters, sensors: SensorNoise, *, identifies: bool = True) -> Unit:
     """Return what brings positions from antennas to the ground, and all values to the time of the sample.
 
     Args:
         vehicle: its lengths and masts.
         sensors: how old and how far off fixes are.
+        identifies: errors of hitch and joint are learned, since the estimate is no given truth.
     """
     fixes = sensors.fixes
     settings: dict[str, ArrayLike] = {
@@ -35,6 +36,7 @@ def alignment_unit(vehicle: VehicleParameters, sensors: SensorNoise) -> Unit:
         "fix_age": fixes.age,
         "positions.fix_deviation": sensors.position,
         "yaw.gate": YAW_GATE,
+        "identifies": float(identifies),
         "positions.ground.spacing": _RECORDED_LENGTHS * (vehicle.hitch_length + vehicle.trailer_length) / _PLACES,
     }
     return Unit(

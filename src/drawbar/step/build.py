@@ -105,7 +105,11 @@ def units_of(configuration: Configuration) -> list[Unit]:
     vehicle, tubes = configuration.vehicle, build_tubes(configuration)
     predictor, identified = _predictor(configuration), configuration.actuation.identify
     return [
-        alignment_unit(vehicle, configuration.sensors),
+        alignment_unit(
+            vehicle,
+            configuration.sensors,
+            identifies=not isinstance(configuration.estimator, IdealEstimatorSettings),
+        ),
         _estimator(configuration),
         _guidance(configuration),
         *([_actuation(configuration)] if identified else []),

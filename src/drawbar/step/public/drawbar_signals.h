@@ -37,8 +37,8 @@ enum drawbar_status {
     DRAWBAR_HITCH = 144,                /* stopped: the hitch angle contradicts the motion of both bodies */
     DRAWBAR_ROLL = 145,                 /* stopped: a roll sensor contradicts the other angles or the swing of its
                                          * antenna: it is reversed or stuck */
-    DRAWBAR_JUMPED = 146,               /* stopped: both positions have jumped: another base station or solution,
-                                         * swapped receivers, or the vehicle slides */
+    DRAWBAR_JUMPED = 146,               /* stopped: both positions have jumped: base station or solution changed,
+                                         * receivers swapped, or the vehicle slides */
     DRAWBAR_NULL = 256,                 /* wrong call: a pointer is NULL */
     DRAWBAR_NOT_INITIALISED = 257,      /* wrong call: drawbar_init has not been called on this state */
     DRAWBAR_NO_PATH = 258,              /* wrong call: drawbar_set_path has not been called, or not with success */
