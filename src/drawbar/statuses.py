@@ -46,7 +46,7 @@ class Status(IntEnum):
     )
     JUMPED = (
         146,
-        "stopped: both positions have jumped: base station or solution changed, receivers swapped, or the vehicle slides",
+        "stopped: both positions have jumped: base station or solution changed, receivers swapped, or vehicle slides",
     )
 
     NULL = 256, "wrong call: a pointer is NULL"

@@ -53,7 +53,7 @@ const char *drawbar_status_text(int status)
     case DRAWBAR_ROLL:
         return "stopped: a roll sensor contradicts the other angles or the swing of its antenna: it is reversed or stuck";
     case DRAWBAR_JUMPED:
-        return "stopped: both positions have jumped: base station or solution changed, receivers swapped, or the vehicle slides";
+        return "stopped: both positions have jumped: base station or solution changed, receivers swapped, or vehicle slides";
     case DRAWBAR_NULL:
         return "wrong call: a pointer is NULL";
     case DRAWBAR_NOT_INITIALISED:

@@ -38,7 +38,7 @@ enum drawbar_status {
     DRAWBAR_ROLL = 145,                 /* stopped: a roll sensor contradicts the other angles or the swing of its
                                          * antenna: it is reversed or stuck */
     DRAWBAR_JUMPED = 146,               /* stopped: both positions have jumped: base station or solution changed,
-                                         * receivers swapped, or the vehicle slides */
+                                         * receivers swapped, or vehicle slides */
     DRAWBAR_NULL = 256,                 /* wrong call: a pointer is NULL */
     DRAWBAR_NOT_INITIALISED = 257,      /* wrong call: drawbar_init has not been called on this state */
     DRAWBAR_NO_PATH = 258,              /* wrong call: drawbar_set_path has not been called, or not with success */
