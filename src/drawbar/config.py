@@ -260,8 +260,7 @@ def _validated(data: dict[str, Any], origin: str) -> Configuration:
     try:
         return Configuration.model_validate(data)
     except ValidationError as error:
-        lines = explained(error, data)
-        head = f"{origin}: {len(lines)} wrong value(s)."
+        message = explained(error, data, origin)
         if not {"estimator", "controller"} <= data.keys():  # a first file: hardly meant to be complete
-            lines.append('  Begin the file with extends = "articulated": then only what differs has to be given.')
-        raise ConfigurationError("\n".join([head, *lines])) from error
+            message += '\n  Begin the file with extends = "articulated": then only what differs has to be given.'
+        raise ConfigurationError(message) from error

@@ -185,8 +185,8 @@ def test_every_text_takes_its_values_over(key):
 
 
 def test_values_are_translated_and_numbers_get_commas():
-    text = "a.kml: the boundary has 2 different point(s); it needs at least 3"
-    assert Words("de").message(text) == "a.kml: die Grenze hat 2 verschiedene(n) Punkt(e); mindestens 3 sind nötig"
+    text = "a.kml: the boundary has fewer than 3 different points; draw it again"
+    assert Words("de").message(text) == "a.kml: die Grenze hat weniger als 3 verschiedene Punkte; neu zeichnen"
     assert Words("en").message(text) == text
     assert "(39,6; -0,8) m" in Words("de").message(
         "line 'a' cannot be made drivable: near (39.6, -0.8) m its curvature stays at 2.5 1/m; at most 0.3 1/m is "

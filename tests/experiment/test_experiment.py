@@ -93,11 +93,11 @@ WRONG = {
     "no case": ('title = "x"\ncases = []', "cases"),
     "unknown key": (
         'title = "x"\nseed = 3\ncases = [{ name = "paper" }]',
-        "experiment.toml: 1 wrong value(s).\n  experiment: has no key seed (did you mean seeds?)",
+        "experiment.toml: 1 wrong value.\n  experiment: has no key seed (did you mean seeds?)",
     ),
     "wrong value": (
         'title = "x"\nseeds = 0\ncases = [{ name = "paper" }]',
-        "experiment.toml: 1 wrong value(s).\n  seeds = 0: must be greater than or equal to 1.",
+        "experiment.toml: 1 wrong value.\n  seeds = 0: must be greater than or equal to 1.",
     ),
     "unknown configuration": (
         'title = "x"\ncases = [{ name = "papre" }]',

@@ -280,8 +280,7 @@ def _settings(file: Path) -> ExperimentSettings:
     try:
         return ExperimentSettings.model_validate(data)
     except ValidationError as error:
-        lines = explained(error, data, root="experiment")
-        raise ConfigurationError("\n".join([f"{file}: {len(lines)} wrong value(s).", *lines])) from error
+        raise ConfigurationError(explained(error, data, str(file), root="experiment")) from error
 
 
 def _driven(folder: Path, settings: ExperimentSettings) -> dict[str, tuple[Case, Variant]]:

@@ -252,7 +252,7 @@ def test_a_device_that_raises_is_switched_off() -> None:
 def test_dead_bands_that_disagree_or_are_too_few_are_refused() -> None:
     plan, bench = DeadBandPlan(runs=2), Bench(ValveSettings())
     carry_out(Calibration(plan), bench)
-    assert "2 runs moved" in dead_band(plan.runs[1]).refusals[0]
+    assert "runs that moved: 2, needed: 3" in dead_band(plan.runs[1]).refusals[0]
     assert not dead_band([]).accepted
     other, wide = DeadBandPlan(runs=1), Bench(ValveSettings(dead_band_left=0.3))
     carry_out(Calibration(other), wide)

@@ -65,7 +65,7 @@ REFUSED = {
     "stuck": (np.zeros(len(TIMES)), "of the command"),
     "noise": (math.radians(2.0) * np.random.default_rng(0).standard_normal(len(TIMES)), "command"),
     "another motion": (math.radians(4.0) * np.sin(3.0 * TIMES), "explains|other side|gain|command"),
-    "nothing measured": (np.full(len(TIMES), math.nan), "0 samples"),
+    "nothing measured": (np.full(len(TIMES), math.nan), "samples: 0"),
 }
 
 

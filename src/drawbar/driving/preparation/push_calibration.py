@@ -185,7 +185,9 @@ def _sensor(settings: BareValveSettings, rests: Sequence[tuple[float, float]]) -
     angles, by_yaw = np.array(rests).reshape(-1, 2).T
     refusals = []
     if len(angles) < _FEWEST or not angles.std() >= _SPREAD:
-        refusals.append(f"{len(angles)} rests within {math.degrees(np.ptp(angles)):.1f}°; push again, rolling straight")
+        refusals.append(
+            f"rests: {len(angles)}, within {math.degrees(np.ptp(angles)):.1f}°; push again, rolling straight"
+        )
     fit = linear_fit(np.column_stack([angles, np.ones(len(angles))]), by_yaw)
     factor, deviation = float(fit.parameters[0]), float(fit.deviations[0])
     if not (deviation <= _SURE and factor > 0.0):

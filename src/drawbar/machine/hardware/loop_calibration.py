@@ -47,7 +47,7 @@ def loop_dead_band(drive: LoopDrive) -> Calibrated:
     refusals = []
     if len(errors) < _FEWEST:
         refusals.append(
-            f"{len(errors)} motions from rest, {_FEWEST} are needed; let drawbar steer slow curves for two minutes (a "
+            f"motions from rest: {len(errors)}, needed: {_FEWEST}; let drawbar steer slow curves for two minutes (a "
             f"steering that never rests has no dead band)"
         )
     spread = float(errors.std(ddof=1)) if len(errors) > 1 else math.inf

@@ -59,7 +59,7 @@ def dead_band(runs: Sequence[Sequence[PushRecord]]) -> Calibrated:
         return _no_dead_band((f"in no run did three pushes move more than {math.degrees(MOVED)}°; push further",))
     refusals = []
     if len(bands) < RUNS:
-        refusals.append(f"{len(bands)} runs moved; make {RUNS}")
+        refusals.append(f"runs that moved: {len(bands)}, needed: {RUNS}")
     value = float(np.quantile(bands, QUANTILE))
     spread = float(np.std(bands, ddof=1)) if len(bands) > 1 else math.inf
     if not (0.0 <= value < 0.6):
@@ -129,7 +129,7 @@ def _dynamics(
         )
 
     if len(pushes) < RUNS or len(values) < 10:
-        reason = f"{len(pushes)} pushes with {len(values)} samples; make {RUNS} at 10 a second or more"
+        reason = f"pushes: {len(pushes)}, with samples: {len(values)}; make {RUNS}, with 10 samples a second or more"
         return _dynamics_of(np.full(3, math.nan), np.full(3, math.inf), unit, (reason,))
     bounds = ([0.0, 1e-3, 0.0], [math.inf, most_lag, 0.5])
     starts = [least_squares(lambda p: predicted(p) - values, (0.5, lag, 0.05), bounds=bounds) for lag in (0.05, 0.3)]
