@@ -21,12 +21,8 @@ from drawbar.control.settings import (
     is_module_and_class,
 )
 from drawbar.errors import ConfigurationError, demand, demand_path
-from drawbar.estimation.settings import (
-    ActuationSettings,
-    ArticulatedEstimatorSettings,
-    IdealEstimatorSettings,
-    TricycleEstimatorSettings,
-)
+from drawbar.estimation.actuation_settings import ActuationSettings
+from drawbar.estimation.settings import ArticulatedEstimatorSettings, IdealEstimatorSettings, TricycleEstimatorSettings
 from drawbar.guidance.settings import GuidanceSettings, PathSettings
 from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.physics.settings import PhysicsMachineSettings

@@ -33,7 +33,7 @@ from drawbar.errors import ConfigurationError
 from drawbar.optimal import ControlSolver
 from drawbar.signals import SolverStatus
 from drawbar.vehicle.articulated import articulated
-from drawbar.vehicle.model import integrate
+from drawbar.vehicle.integrators import integrate
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.tricycle import tricycle
 

@@ -10,7 +10,8 @@ from pydantic import ValidationError
 
 from drawbar.config import load_configuration
 from drawbar.errors import ConfigurationError
-from drawbar.experiment.experiment import Expectation, Experiment, find_experiments
+from drawbar.experiment.declaration import Expectation
+from drawbar.experiment.experiment import Experiment, find_experiments
 from drawbar.experiment.statistics import Statistic
 
 Write = Callable[[str], Experiment]

@@ -117,7 +117,8 @@ def _wiggle(config: "Configuration") -> bool:
 
 def _or_list(faults: list[str] | None) -> list[str] | None:
     """Return the faults asked for; `list` prints what there is and ends the command, whatever else is given."""
-    from drawbar.machine.stand_in.faults import FAULTS, LIST
+    from drawbar.machine.stand_in.fault_plan import LIST
+    from drawbar.machine.stand_in.faults import FAULTS
 
     if LIST in (faults or []):
         for name, each in FAULTS.items():
@@ -151,7 +152,7 @@ def stand_in(
     from drawbar.driving.stand_in.stand_in_machine import Firmware
     from drawbar.driving.stand_in.stand_in_main import serve
     from drawbar.extras import require_extra
-    from drawbar.machine.stand_in.faults import planned_fault
+    from drawbar.machine.stand_in.fault_plan import planned_fault
 
     require_extra("drawbar stand-in", "machine")
     faults = [planned_fault(text) for text in fault or []]

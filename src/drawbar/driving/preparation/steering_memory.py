@@ -6,8 +6,8 @@ from itertools import groupby, pairwise
 
 from drawbar.config import Configuration
 from drawbar.driving.preparation.hand_calibration import CalibrationResult
+from drawbar.estimation.actuation_settings import SteeringMemories, SteeringMemory
 from drawbar.estimation.identification import identify
-from drawbar.estimation.settings import SteeringMemories, SteeringMemory
 from drawbar.machine.hardware.calibrated import Calibrated
 from drawbar.signals import Actuation, Flag, StepRecord
 from drawbar.statuses import Status
