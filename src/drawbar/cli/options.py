@@ -40,6 +40,7 @@ Jobs = Annotated[int | None, typer.Option(min=1, help="processes on this machine
 Pace = Annotated[
     int, typer.Option(min=1, max=FASTEST, help="of stand-ins on this computer: so many times as fast as real time")
 ]
+Track = Annotated[str, typer.Option(help="name of the line, where the file holds several")]
 Cluster = Annotated[str, typer.Option(metavar="ADDRESS", help="of a running Dask scheduler to use instead")]
 
 
@@ -112,6 +113,16 @@ def compiling() -> Iterator[None]:
     text = "making the control step ready, the first time by compiling it …"
     with console.status(text) as status, watch_compilation(lambda *of: status.update(f"{text} {of[0]} of {of[1]}")):
         yield
+
+
+@contextmanager
+def continued_later() -> Iterator[None]:
+    """Let Ctrl-C end a command that continues from its finished runs when it is given again; exit code 130."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        console.print("\ninterrupted; the same command continues from the runs that are finished")
+        raise SystemExit(130) from None
 
 
 def refuse_to_replace(option: str, target: FilePath, given: FilePath) -> None:

@@ -23,8 +23,9 @@ from drawbar.machine.stand_in.breaking import (
     steer_otherwise,
     swap_receivers,
 )
-from drawbar.machine.stand_in.machine import BODIES, COUNTS_PER_RADIAN, SENSORS, StandInMachine
+from drawbar.machine.stand_in.machine import COUNTS_PER_RADIAN, SENSORS, StandInMachine
 from drawbar.signals import FixQuality
+from drawbar.vehicle.parameters import BODIES
 
 _KNOTS = 3600.0 / 1852.0
 """of a metre per second"""
