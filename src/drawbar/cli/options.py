@@ -92,6 +92,20 @@ def configured(source: str, path: str | None, track: str, changes: Sequence[str]
     return load_configuration(source, [*settings, *changes])
 
 
+def configured_devices(name: str, changes: Sequence[str] | None) -> "Configuration":
+    """Return a configuration that names devices; raise ConfigurationError for one that does not."""
+    from drawbar.config import load_configuration
+    from drawbar.errors import ConfigurationError
+
+    config = load_configuration(name, changes or [])
+    if config.devices is None:
+        raise ConfigurationError(
+            f"{name} names no devices; add a section [devices] (docs/driving.md), or try `drawbar drive`, which "
+            "stands in for all of them"
+        )
+    return config
+
+
 def line_changes(path: str | None, track: str) -> list[str]:
     """Return the changes of a configuration that choose a line by --path (None: its own) and --track (empty: none)."""
     if path == "":
