@@ -49,13 +49,13 @@ CALIBRATION = (
     "driving/preparation/dead_bands.py",
     "driving/preparation/push_calibration.py",
     "driving/preparation/steering_memory.py",
-    "machine/hardware/calibration.py",
-    "machine/hardware/calibration_plans.py",
-    "machine/hardware/valve_calibration.py",
-    "machine/hardware/loop_calibration.py",
-    "machine/hardware/sensor_calibration.py",
-    "machine/hardware/scale_calibration.py",
-    "machine/hardware/mounting_calibration.py",
+    "machine/calibration/pushing.py",
+    "machine/calibration/plans.py",
+    "machine/calibration/valve.py",
+    "machine/calibration/loop.py",
+    "machine/calibration/zero.py",
+    "machine/calibration/scale.py",
+    "machine/calibration/mounting.py",
 )
 """whose texts are refusals and names"""
 NOT_MET = {

@@ -20,7 +20,7 @@ from drawbar.driving.preparation.hand_calibration import CalibrationResult, cali
 from drawbar.driving.preparation.hand_drive import HandDrive
 from drawbar.driving.preparation.steering_memory import steering_memory
 from drawbar.errors import ConfigurationError, DrawbarError
-from drawbar.machine.hardware.mounting_calibration import BACK
+from drawbar.machine.calibration.mounting import BACK
 from drawbar.messages import GateState
 from drawbar.signals import Measurement, StepRecord
 

@@ -24,8 +24,8 @@ from drawbar.driving.preparation.push_calibration import (
     open_bare_valve,
 )
 from drawbar.errors import DrawbarError
+from drawbar.machine.calibration.valve import RUNS
 from drawbar.machine.hardware.bare_valve import BareValve
-from drawbar.machine.hardware.valve_calibration import RUNS
 
 _PREPARED = 5.0
 """after the first button, within which the second one moves, s"""

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 import numpy as np
 
 from drawbar.driving.preparation.hand_calibration import CalibrationResult
-from drawbar.machine.hardware.loop_calibration import LoopDrive, loop_dead_band
+from drawbar.machine.calibration.loop import LoopDrive, loop_dead_band
 from drawbar.messages import GateState
 from drawbar.vehicle.parameters import STEERINGS
 

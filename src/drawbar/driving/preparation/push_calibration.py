@@ -13,13 +13,13 @@ import numpy as np
 from drawbar.config import Configuration
 from drawbar.driving.preparation.hand_calibration import CalibrationResult
 from drawbar.errors import ConfigurationError
+from drawbar.machine.calibration.calibrated import Calibrated, linear_fit
+from drawbar.machine.calibration.plans import DeadBandPlan, RatePlan
+from drawbar.machine.calibration.pushing import CalibratedMachine, Calibration, CalibrationLimits, Sensed, carry_out
+from drawbar.machine.calibration.valve import actuator_dynamics, dead_band
 from drawbar.machine.hardware.bare_valve import BareValve, Motion
 from drawbar.machine.hardware.bare_valve_settings import BareValveSettings
-from drawbar.machine.hardware.calibrated import Calibrated, linear_fit
-from drawbar.machine.hardware.calibration import CalibratedMachine, Calibration, CalibrationLimits, Sensed, carry_out
-from drawbar.machine.hardware.calibration_plans import DeadBandPlan, RatePlan
 from drawbar.machine.hardware.receiver import Receiver, ReceiverSettings
-from drawbar.machine.hardware.valve_calibration import actuator_dynamics, dead_band
 from drawbar.transports.open import open_transport
 
 PUSHES = 5

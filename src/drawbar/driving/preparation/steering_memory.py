@@ -8,7 +8,7 @@ from drawbar.config import Configuration
 from drawbar.driving.preparation.hand_calibration import CalibrationResult
 from drawbar.estimation.actuation_settings import SteeringMemories, SteeringMemory
 from drawbar.estimation.identification import identify
-from drawbar.machine.hardware.calibrated import Calibrated
+from drawbar.machine.calibration.calibrated import Calibrated
 from drawbar.signals import Actuation, Flag, StepRecord
 from drawbar.statuses import Status
 from drawbar.vehicle.parameters import STEERINGS

@@ -14,8 +14,8 @@ from drawbar.driving.devices.actuators import gate_wires
 from drawbar.driving.devices.gate_options import gate_options
 from drawbar.driving.devices.receiver_transports import open_receivers
 from drawbar.driving.messaging.socket_folder import SocketFolder
+from drawbar.machine.calibration.wiggle import Wiggle, wiggle_command, wiggle_test
 from drawbar.machine.hardware.receiver import Receiver
-from drawbar.machine.hardware.wiggle_judgement import Wiggle, wiggle_command, wiggle_test
 from drawbar.protocols.actuator import Readiness, SteeringReport, SteeringRequest
 from drawbar.protocols.speed_actuator import SpeedRequest
 from drawbar.safety.wires import Wires

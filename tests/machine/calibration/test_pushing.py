@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from drawbar.benchmark.simulated_actuators import SimulatedValve
-from drawbar.machine.hardware.calibrated import Calibrated
-from drawbar.machine.hardware.calibration import (
+from drawbar.machine.calibration.calibrated import Calibrated
+from drawbar.machine.calibration.plans import DeadBandPlan, RatePlan
+from drawbar.machine.calibration.pushing import (
     CalibratedMachine,
     Calibration,
     CalibrationLimits,
@@ -17,8 +18,7 @@ from drawbar.machine.hardware.calibration import (
     State,
     carry_out,
 )
-from drawbar.machine.hardware.calibration_plans import DeadBandPlan, RatePlan
-from drawbar.machine.hardware.valve_calibration import actuator_dynamics, dead_band
+from drawbar.machine.calibration.valve import actuator_dynamics, dead_band
 from drawbar.machine.low_level.settings import ValveSettings
 
 PERIOD = 0.02

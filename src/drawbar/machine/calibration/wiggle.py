@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from drawbar.geometry import Floats
-from drawbar.machine.hardware.calibrated import finite_columns, linear_fit
+from drawbar.machine.calibration.calibrated import finite_columns, linear_fit
 
 WIGGLE_GAIN = (0.7, 1.3)
 WIGGLE_DELAY = 0.5

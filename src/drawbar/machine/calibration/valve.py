@@ -1,4 +1,4 @@
-"""Calibration of a steering actuator from recorded pushes: dead band, full rate, lag, dead time."""
+"""Valve calibration: from recorded pushes of a steering actuator its dead band, full rate, lag, dead time."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from drawbar.geometry import Floats
-from drawbar.machine.hardware.calibrated import Calibrated, finite_columns, linear_fit
+from drawbar.machine.calibration.calibrated import Calibrated, finite_columns, linear_fit
 
 MOVED = math.radians(0.3)
 """what counts as having moved, rad"""

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from drawbar.benchmark.simulated_actuators import SimulatedValve
-from drawbar.machine.hardware.wiggle_judgement import Wiggle, wiggle_command, wiggle_test
+from drawbar.machine.calibration.wiggle import Wiggle, wiggle_command, wiggle_test
 from drawbar.machine.low_level.low_level import ActuateInput, LowLevel, SteeringAxis, TableSensor
 from drawbar.machine.low_level.settings import PositionLoopSettings, ValveSettings
 
