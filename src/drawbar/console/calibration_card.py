@@ -10,11 +10,11 @@ from nicegui import ui
 from drawbar.config import Configuration
 from drawbar.console.calibration_widgets import CURVE, StepList, changes_of, list_found, plot_options
 from drawbar.console.hand_log import Driven
+from drawbar.console.language.words import Words
 from drawbar.console.link import Link
 from drawbar.console.live_plot import Curve, LivePlot
 from drawbar.console.next_drive import NextDrive
 from drawbar.console.widgets import button, card
-from drawbar.console.words import Words
 from drawbar.driving.preparation.dead_bands import dead_bands
 from drawbar.driving.preparation.hand_calibration import CalibrationResult, calibrate
 from drawbar.driving.preparation.hand_drive import HandDrive

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from drawbar.console.drawing import Moving
-from drawbar.console.words import Words
+from drawbar.console.language.words import Words
 from drawbar.driving.operator.display import BAD, GOOD, STANDS, WARNING, is_beside_line, notices, refusals
 from drawbar.driving.operator.requests import wished_speed
 from drawbar.messages import ControllerState, GateState, SupervisorState

@@ -12,11 +12,11 @@ import pytest
 import drawbar
 from drawbar import errors
 from drawbar.config import load_configuration, recorded_configuration
-from drawbar.console.errors_de import ERRORS_DE
+from drawbar.console.language.errors_de import ERRORS_DE
+from drawbar.console.language.translation import Translation
+from drawbar.console.language.words import Words
 from drawbar.console.set_up_values import GROUPS
 from drawbar.console.set_up_words import flaws
-from drawbar.console.translation import Translation
-from drawbar.console.words import Words
 from drawbar.errors import DrawbarError
 from drawbar.fields.exchange import take_in
 from drawbar.geometry import LocalFrame
@@ -60,12 +60,12 @@ CALIBRATION = (
 """whose texts are refusals and names"""
 NOT_MET = {
     "console/passwords.py",  # of the command line
-    "console/errors_de.py",
-    "console/refusals_de.py",
-    "console/catalogue.py",
-    "console/catalogue_set_up.py",
-    "console/causes_de.py",
-    "console/statuses_de.py",
+    "console/language/errors_de.py",
+    "console/language/refusals_de.py",
+    "console/language/catalogue.py",
+    "console/language/catalogue_set_up.py",
+    "console/language/causes_de.py",
+    "console/language/statuses_de.py",
 }
 ELSEWHERE = {
     "config.py",  # files and --set of the command line; the numbers that pages change are tried below

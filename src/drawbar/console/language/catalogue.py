@@ -6,7 +6,7 @@ causes_de.py and errors_de.py. What signals are called is put together from sign
 
 from collections.abc import Mapping
 
-from drawbar.console.catalogue_set_up import SET_UP_TEXTS
+from drawbar.console.language.catalogue_set_up import SET_UP_TEXTS
 
 TEXTS: Mapping[str, tuple[str, str]] = {
     **SET_UP_TEXTS,

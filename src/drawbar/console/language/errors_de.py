@@ -6,7 +6,7 @@ order. The English text stays where the error is raised; a test compares both.
 
 from collections.abc import Mapping
 
-from drawbar.console.refusals_de import REFUSALS_DE
+from drawbar.console.language.refusals_de import REFUSALS_DE
 
 ERRORS_DE: Mapping[str, str] = {
     **REFUSALS_DE,
