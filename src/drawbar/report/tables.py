@@ -23,6 +23,11 @@ def number(value: float, digits: int = 1, unit: str = "") -> str:
     return _UNKNOWN if math.isnan(value) else f"{value:z.{digits}f}{unit}"
 
 
+def counted(count: int, name: str) -> str:
+    """Return a count with the name of what is counted, which has its plural with an s: `1 step`, `2 steps`."""
+    return f"{count} {name}" if count == 1 else f"{count} {name}s"
+
+
 def _known(rows: list[Row]) -> list[Row]:
     """Return the rows with a known figure: those of parts of the path that were driven, and of what was measured."""
     return [row for row in rows if any(cell != _UNKNOWN for cell in row[1])]

@@ -9,7 +9,7 @@ from rich.text import Text
 
 from drawbar.control.settings import DECLARED_SECTIONS
 from drawbar.control.tube.tube import SubsystemTube
-from drawbar.report.tables import Row
+from drawbar.report.tables import Row, counted
 from drawbar.report.tube.recorded import CONFIDENCE, Finding, coverage
 from drawbar.report.tube.tables import (
     FINDING_COLUMNS,
@@ -52,8 +52,8 @@ def findings_text(body: str, findings: list[Finding]) -> RenderableType:
     violated = [f"{finding.section}.{finding.name}" for finding in findings if finding.declared and finding.beyond]
     verdict = Text(f"Violated: {', '.join(violated)}", "bold red") if violated else _UNVIOLATED[declared]
     confidence = (
-        f"{samples} samples: the largest of them bounds {coverage(samples):.1%} of all samples like these with "
-        f"{CONFIDENCE:.0%} confidence, were they independent (Wilks 1941)."
+        f"{counted(samples, 'sample')}: the largest of them bounds {coverage(samples):.1%} of all samples like these "
+        f"with {CONFIDENCE:.0%} confidence, were they independent (Wilks 1941)."
     )
     tables = [
         _table(section, FINDING_COLUMNS, finding_rows(rows), 20)
