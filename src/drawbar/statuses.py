@@ -46,7 +46,8 @@ class Status(IntEnum):
     )
     JUMPED = (
         146,
-        "stopped: both positions have jumped: another base station or solution, swapped receivers, or the vehicle slides",
+        "stopped: both positions have jumped: another base station or solution, swapped receivers, or the vehicle "
+        "slides",
     )
 
     NULL = 256, "wrong call: a pointer is NULL"
