@@ -9,7 +9,8 @@ import numpy as np
 
 from drawbar.geometry import Floats
 from drawbar.optimal import Bound, ControlProblem, ControlSolver, EstimationProblem, EstimationSolver
-from drawbar.vehicle.model import declare, integrate, variables
+from drawbar.vehicle.integrators import integrate
+from drawbar.vehicle.model import declare, variables
 
 SAMPLE_TIME, HORIZON, WINDOW = 0.1, 50, 30  # s; samples
 TARGET, WALL, GRAVITY = 8.0, 8.1, 9.81  # m, m, m/s²

@@ -10,7 +10,8 @@ import numpy as np
 
 from drawbar.geometry import Floats, nearest_branch, wrap
 from drawbar.optimal import Bound, ControlProblem, ControlSolver, EstimationProblem, EstimationSolver
-from drawbar.vehicle.model import Model, integrate, symbols, variables
+from drawbar.vehicle.integrators import integrate
+from drawbar.vehicle.model import Model, symbols, variables
 
 SAMPLE_TIME, HORIZON, WINDOW = 0.1, 20, 20  # s; samples
 WHEELBASE, RADIUS, LIMIT = 0.5, 5.0, 0.3  # m, m, rad

@@ -14,7 +14,8 @@ import numpy as np
 
 from drawbar.geometry import Floats
 from drawbar.optimal import Bound, ControlProblem, ControlSolver
-from drawbar.vehicle.model import declare, integrate, variables
+from drawbar.vehicle.integrators import integrate
+from drawbar.vehicle.model import declare, variables
 
 HORIZON, SAMPLE_TIME, LIMIT, CHANGE = 20, 0.1, 0.3, 0.05  # samples, s, rad, rad per sample
 Step = Callable[[Floats, float], float]

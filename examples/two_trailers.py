@@ -9,7 +9,8 @@ import numpy as np
 
 from drawbar.geometry import Floats
 from drawbar.optimal import Bound, ControlProblem, ControlSolver
-from drawbar.vehicle.model import declare, integrate, variables
+from drawbar.vehicle.integrators import integrate
+from drawbar.vehicle.model import declare, variables
 
 SAMPLE_TIME, HORIZON, SPEED = 0.2, 60, -1.0  # s; samples; m/s
 WHEELBASE, FIRST, SECOND = 2.7, 3.0, 4.0  # m: car, trailers from joint to axle

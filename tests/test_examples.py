@@ -21,7 +21,7 @@ from drawbar.errors import DrawbarError
 from drawbar.geometry import Floats, nearest_branch
 from drawbar.optimal import ControlSolver, EstimationSolver
 from drawbar.signals import Measurement, SolverStatus
-from drawbar.vehicle.model import integrate
+from drawbar.vehicle.integrators import integrate
 
 ROOT = Path(__file__).parents[1]
 EXAMPLE = ROOT / "examples" / "own_vehicle.py"

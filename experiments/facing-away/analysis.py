@@ -8,8 +8,8 @@ import numpy as np
 from drawbar.experiment.elements import Element, Table
 from drawbar.experiment.measured import MeasuredExperiment
 from drawbar.experiment.task import Result
+from drawbar.vehicle.parameters import BODIES
 
-BODIES = ("tractor", "trailer")
 NEAR = 0.15
 """distance from the path under which both bodies must stay to count as on it, m"""
 ON_THE_PATH = "on the path after"

@@ -8,8 +8,8 @@ import numpy as np
 
 from drawbar.config import load_configuration
 from drawbar.errors import DrawbarError
+from drawbar.experiment.declaration import Expectation
 from drawbar.experiment.elements import Element, Table, Text
-from drawbar.experiment.experiment import Expectation
 from drawbar.experiment.measured import MeasuredExperiment
 from drawbar.experiment.task import Result
 from drawbar.messages import SupervisorState

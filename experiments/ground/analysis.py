@@ -7,9 +7,9 @@ from drawbar.experiment.distances import BEGINS, distance_figures
 from drawbar.experiment.elements import Element, Table
 from drawbar.experiment.measured import MeasuredExperiment
 from drawbar.experiment.task import Result
+from drawbar.vehicle.parameters import BODIES
 
 PRODUCT = "articulated"
-BODIES = ("tractor", "trailer")
 
 
 def figures(result: Result) -> dict[str, float]:

@@ -4,8 +4,8 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from drawbar.experiment.elements import Element, Table
 from drawbar.experiment.measured import MeasuredExperiment
+from drawbar.vehicle.parameters import BODIES
 
-BODIES = ("tractor", "trailer")
 NONE = "no jump"
 
 

@@ -9,9 +9,9 @@ from drawbar.experiment.distances import BEGINS, distance_figures
 from drawbar.experiment.elements import Element, Table
 from drawbar.experiment.measured import MeasuredExperiment
 from drawbar.experiment.task import Result
+from drawbar.vehicle.parameters import BODIES
 
 PRODUCT = "articulated"
-BODIES = ("tractor", "trailer")
 VALIDATION = {
     "flat, 1 m/s": ("0.9 / 2.4 / 4", "1.0 / 3.0 / 7"),
     "flat, 2 m/s": ("1.6 / 3.7 / 6", "1.7 / 5.1 / 9"),

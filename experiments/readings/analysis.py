@@ -7,8 +7,8 @@ from drawbar.experiment.analysis import error_figures
 from drawbar.experiment.elements import Element, Table
 from drawbar.experiment.measured import MeasuredExperiment
 from drawbar.experiment.task import Result
+from drawbar.vehicle.parameters import BODIES
 
-BODIES = ("tractor", "trailer")
 CLASSES = {"straight": "straight", "0.1": "0.1 1/m", "0.125": "0.125", "0.15": "0.15"}
 """of the path, and how the table calls them"""
 

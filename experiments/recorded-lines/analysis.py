@@ -8,8 +8,8 @@ from drawbar.config import Configuration
 from drawbar.experiment.elements import Element, Table
 from drawbar.experiment.measured import MeasuredExperiment
 from drawbar.simulation import build_path
+from drawbar.vehicle.parameters import BODIES
 
-BODIES = ("tractor", "trailer")
 CLASSES = {"straight": "straights", "curve": "curves", "kink": "kinks"}
 LIMITS = (0.3, 0.41)
 """of the curvature, 1/m: the product's, and what its mechanical stops allow"""

@@ -12,9 +12,9 @@ from drawbar.experiment.measured import MeasuredExperiment
 from drawbar.experiment.statistics import Statistic
 from drawbar.experiment.task import Result
 from drawbar.report.style import ESTIMATOR, GRID, INK, KINK, REFERENCE, TRACTOR, TRAILER
+from drawbar.vehicle.parameters import BODIES
 
 PRODUCT = "articulated"
-BODIES = ("tractor", "trailer")
 CENTRALISED = "#56B4E9"  # of the same palette as the others
 NEAR = 0.15
 """distance from the path under which both bodies must stay to count as back, m"""

@@ -4,8 +4,7 @@ from collections.abc import Iterator
 
 from drawbar.experiment.elements import Element, Table
 from drawbar.experiment.measured import MeasuredExperiment
-
-BODIES = ("tractor", "trailer")
+from drawbar.vehicle.parameters import BODIES
 
 
 def report(measured: MeasuredExperiment) -> Iterator[Element]:

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 from matplotlib.figure import Figure
 
+from drawbar.experiment.declaration import Case
 from drawbar.experiment.elements import Element, Picture, Table
-from drawbar.experiment.experiment import Case
 from drawbar.experiment.measured import MeasuredExperiment
 from drawbar.experiment.statistics import Statistic
 from drawbar.experiment.task import Result

@@ -21,12 +21,8 @@ from drawbar.control.settings import (
     is_module_and_class,
 )
 from drawbar.errors import ConfigurationError, demand, demand_path
-from drawbar.estimation.settings import (
-    ActuationSettings,
-    ArticulatedEstimatorSettings,
-    IdealEstimatorSettings,
-    TricycleEstimatorSettings,
-)
+from drawbar.estimation.actuation_settings import ActuationSettings
+from drawbar.estimation.settings import ArticulatedEstimatorSettings, IdealEstimatorSettings, TricycleEstimatorSettings
 from drawbar.guidance.settings import GuidanceSettings, PathSettings
 from drawbar.machine.hardware.devices import DeviceSettings
 from drawbar.machine.physics.settings import PhysicsMachineSettings
@@ -260,8 +256,7 @@ def _validated(data: dict[str, Any], origin: str) -> Configuration:
     try:
         return Configuration.model_validate(data)
     except ValidationError as error:
-        lines = explained(error, data)
-        head = f"{origin}: {len(lines)} wrong value(s)."
+        message = explained(error, data, origin)
         if not {"estimator", "controller"} <= data.keys():  # a first file: hardly meant to be complete
-            lines.append('  Begin the file with extends = "articulated": then only what differs has to be given.')
-        raise ConfigurationError("\n".join([head, *lines])) from error
+            message += '\n  Begin the file with extends = "articulated": then only what differs has to be given.'
+        raise ConfigurationError(message) from error

@@ -69,10 +69,7 @@ def drive(
         EndOfMeasurements: the machine has no more of them.
         DrawbarError: machine or autopilot is none, or the time limit no positive number.
     """
-    demand("machine", machine, Machine, "give a subclass of drawbar.Machine")
-    demand("autopilot", autopilot, Autopilot, "give what build_autopilot() returned")
-    if not (isinstance(time_limit, Real) and time_limit > 0.0):
-        raise DrawbarError(f"time_limit = {time_limit!r} is not allowed; give a positive number of seconds.")
+    _demand_arguments(machine, autopilot, time_limit)
     begin, before, body_lag = math.nan, Status.OK, 0.0
     with termination_as_exit(), machine:
         while True:
@@ -99,6 +96,13 @@ def drive(
                     f"The path was not finished within {time_limit:.0f} s; raise speed or look at the log."
                 )
             before, body_lag = status, record.actuation.body_lag
+
+
+def _demand_arguments(machine: object, autopilot: object, time_limit: object) -> None:
+    demand("machine", machine, Machine, "give a subclass of drawbar.Machine")
+    demand("autopilot", autopilot, Autopilot, "give what build_autopilot() returned")
+    if not (isinstance(time_limit, Real) and float(time_limit) > 0.0):
+        raise DrawbarError(f"time_limit = {time_limit!r} is not allowed; give a positive number of seconds.")
 
 
 def _measured(machine: Machine) -> Measurement:

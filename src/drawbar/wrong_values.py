@@ -12,15 +12,24 @@ _REASONS = {
     "model_type": "must be a section with keys",
     "model_attributes_type": "must be a section with keys",
     "tuple_type": "must be a list",
-    "too_short": "must hold at least {min_length} value(s)",
+    "too_short": "must hold {min_length} or more values",
     "string_pattern_mismatch": "must be one character long or more, without slashes and control characters",
 }
 """where pydantic's own words would be those of a programmer"""
 
 
-def explained(error: ValidationError, data: dict[str, Any], *, root: str = "configuration") -> list[str]:
-    """Return a line for each wrong value: key, what was given, what is allowed; root: what the data are as a whole."""
-    return [_line(problem, data, root) for problem in error.errors() if not _is_long_enough(problem)]
+def explained(error: ValidationError, data: dict[str, Any], origin: str, *, root: str = "configuration") -> str:
+    """Return how many values are wrong, then a line for each: key, what was given, what is allowed.
+
+    Args:
+        error: that pydantic raised.
+        data: in which the values are.
+        origin: file, or what else the data come from.
+        root: what the data are as a whole.
+    """
+    lines = [_line(problem, data, root) for problem in error.errors() if not _is_long_enough(problem)]
+    head = f"{origin}: 1 wrong value." if len(lines) == 1 else f"{origin}: {len(lines)} wrong values."
+    return "\n".join([head, *lines])
 
 
 def _is_long_enough(problem: Any) -> bool:

@@ -8,7 +8,8 @@ import pytest
 
 from drawbar.codegen import Workspace, build
 from drawbar.codegen import compiler as discovery
-from drawbar.codegen.emit import Input, Output, emit, emit_constants
+from drawbar.codegen.emit import Output, emit, emit_constants
+from drawbar.codegen.statements import Input
 
 ROWS, LATER = 17, 5
 """rows of x and of the first result; rows of u and of the second result"""

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from drawbar.codegen import Workspace, build
-from drawbar.codegen.emit import Input, Output, emit, emit_constants
+from drawbar.codegen.emit import Output, emit, emit_constants
+from drawbar.codegen.statements import Input
 from drawbar.errors import ModelError
 
 BINARY = (

@@ -76,7 +76,7 @@ WRONG_VALUES = {
     "estimator.model=kalman": ("estimator: 'model' = 'kalman'", "'articulated', 'tricycle'"),
     "controller={}": ("controller: 'model' is missing",),
     "estimator=3": ("estimator = 3", "section with keys"),
-    "path.radii=[]": ("path.radii = []", "at least 1"),
+    "path.radii=[]": ("path.radii = []", "1 or more values"),
     "path.radii=[8.0, -2.0]": ("path.radii.1 = -2.0", "greater than 0"),
     "path.radii=[0.0]": ("path.radii.0 = 0.0", "greater than 0"),
     "path.radii=3": ("path.radii = 3", "list"),
@@ -115,7 +115,7 @@ WRONG_VALUES = {
 def test_a_wrong_value_is_refused_by_key_value_and_what_is_allowed(change: str) -> None:
     message = refusal("articulated", change)
     assert "articulated" in message
-    assert "1 wrong value(s)" in message
+    assert ": 1 wrong value.\n" in message
     for part in WRONG_VALUES[change]:
         assert part in message
 
@@ -160,7 +160,7 @@ def test_an_attitude_sensor_is_not_mounted_on_its_side(key: str) -> None:
 
 def test_all_wrong_values_are_reported_at_once() -> None:
     message = refusal("articulated", "vehicle.wheelbase=-1", "speed=fast", "sensors.speed=nan")
-    assert "3 wrong value(s)" in message
+    assert ": 3 wrong values.\n" in message
     for key in ("vehicle.wheelbase", "speed", "sensors.speed"):
         assert f"  {key} = " in message
 

@@ -160,7 +160,7 @@ async def test_an_a_b_line_and_a_curve_are_made_while_driving_and_kept(stage, br
     one.press("● Record a curve")
     turn = np.linspace(0.0, 1.5, 60)
     drive(stage, one, 20.0 * np.column_stack([np.sin(turn), 1.0 - np.cos(turn)]))
-    assert "Recording: " in one.text()
+    assert "Recording, points: " in one.text()
     one.press("■ End and save")
     assert stage.next_drive.fields.names() == ["New field"]
     straight, curve = stage.next_drive.fields.load("New field").lines
@@ -182,7 +182,7 @@ async def test_a_recorded_curve_that_takes_no_more_points_says_so(stage, browser
     recorded = stage.link.surveyor.track.points
     recorded += [recorded[-1]] * (20_000 - len(recorded))
     drive(stage, one, [(5.0, 0.0)])
-    assert "Recording: 20000 points · full: end and save" in one.text()
+    assert "Recording, points: 20000 · full: end and save" in one.text()
 
 
 @staged

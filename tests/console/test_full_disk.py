@@ -17,9 +17,9 @@ from console_stage import staged
 
 from drawbar.config import load_configuration
 from drawbar.configurations import CONFIGURATION_NAME
+from drawbar.console.language.words import Words
 from drawbar.console.run_events import run_events
 from drawbar.console.view import dashboard, picture
-from drawbar.console.words import Words
 from drawbar.driving.processes.drive_processes import DriveProcesses
 from drawbar.driving.stand_in.demonstration import with_stand_ins
 from drawbar.messages import SupervisorState

@@ -10,9 +10,9 @@ pytest.importorskip("shapefile", reason="the extra `console` is not installed")
 from console_stage import staged
 
 from drawbar.console import live_plot
-from drawbar.console.catalogue import TEXTS
+from drawbar.console.language.catalogue import TEXTS
+from drawbar.console.language.signal_words import QUANTITIES, SECTIONS, signal_words
 from drawbar.console.signal_history import PRESETS, Column, ShownStep, all_names, columns, row
-from drawbar.console.signal_words import QUANTITIES, SECTIONS, signal_words
 from drawbar.driving.messaging.datagrams import EstimateDeviations, PackedStep, pack
 from drawbar.step.layout import packed
 

@@ -16,11 +16,11 @@ pytest.importorskip("shapefile", reason="the extra `console` is not installed")
 
 from console_stage import Stage, console, until
 
+from drawbar.console.language.words import Words
 from drawbar.console.run_comparison import FIGURES, value_of
 from drawbar.console.run_events import run_events
 from drawbar.console.runs_page import list_runs
 from drawbar.console.visitors import Rank
-from drawbar.console.words import Words
 from drawbar.errors import DrawbarError
 from drawbar.messages import Action, OperatorMessage, SupervisorState
 from drawbar.recording.chunked_writer import ChunkedWriter
@@ -131,7 +131,7 @@ def test_three_hundred_runs_are_listed_a_few_at_a_time(runs):
 
     async def test(one):
         before = one.text()
-        one.press("288 earlier ones")
+        one.press("Earlier: 288")
         return before, one.text()
 
     before, after = on_page(runs, test)

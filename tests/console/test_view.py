@@ -10,9 +10,9 @@ pytest.importorskip("shapefile", reason="the extra `console` is not installed")
 
 from console_stage import Stage
 
+from drawbar.console.language.words import Words
 from drawbar.console.link import STALE
 from drawbar.console.view import dashboard, picture
-from drawbar.console.words import Words
 from drawbar.driving.messaging.datagrams import CorrectionsFailure, pack
 from drawbar.messages import SupervisorState
 from drawbar.safety.causes import Cause

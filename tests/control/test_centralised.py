@@ -33,11 +33,10 @@ from drawbar.errors import ConfigurationError
 from drawbar.optimal import ControlSolver
 from drawbar.signals import SolverStatus
 from drawbar.vehicle.articulated import articulated
-from drawbar.vehicle.model import integrate
-from drawbar.vehicle.parameters import VehicleParameters
+from drawbar.vehicle.integrators import integrate
+from drawbar.vehicle.parameters import BODIES, VehicleParameters
 from drawbar.vehicle.tricycle import tricycle
 
-BODIES = ("tractor", "trailer")
 VEHICLE, DT, HORIZON = VehicleParameters(), 0.2, 20
 NO_TUBE = TubeSettings()
 PAPER = TricycleControllerSettings(model="tricycle", horizon=HORIZON)

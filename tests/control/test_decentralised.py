@@ -6,13 +6,12 @@ import pytest
 from controllers import first, settled
 
 from drawbar.signals import SolverStatus
-from drawbar.vehicle.parameters import VehicleParameters
+from drawbar.vehicle.parameters import BODIES, VehicleParameters
 
 COUPLINGS = ("neglected", "measured", "planned")
 OF_EACH_MODEL = [(name, each) for name in ("articulated", "tricycle") for each in COUPLINGS] + [
     ("articulated", "following")
 ]
-BODIES = ("tractor", "trailer")
 VEHICLE = VehicleParameters()
 
 

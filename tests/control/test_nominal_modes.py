@@ -19,7 +19,7 @@ from drawbar.control.settings import (
 from drawbar.control.tube.inner_box import initial_choice
 from drawbar.control.tube.tube import tubes_of
 from drawbar.signals import SolverStatus
-from drawbar.vehicle.model import integrate
+from drawbar.vehicle.integrators import integrate
 from drawbar.vehicle.parameters import VehicleParameters
 
 VEHICLE, SAMPLE_TIME = VehicleParameters(), 0.2

@@ -31,7 +31,7 @@ from drawbar.optimal.transcription import transcribe
 from drawbar.settings import Settings
 from drawbar.signals import Command, Estimate, Measurement
 from drawbar.simulation import Simulation
-from drawbar.vehicle.model import integrate
+from drawbar.vehicle.integrators import integrate
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import SensorNoise
 

@@ -12,7 +12,7 @@ from c_signals import given
 from estimators import DeadTimePredictor
 
 from drawbar.estimation.actuation import bank_lags, bank_rates
-from drawbar.estimation.settings import ActuationSettings, SteeringMemories, SteeringMemory
+from drawbar.estimation.actuation_settings import ActuationSettings, SteeringMemories, SteeringMemory
 from drawbar.geometry import Floats
 from drawbar.signals import Actuation, Command, Estimate, Measurement, Pose, SolverStatus, Status
 from drawbar.vehicle.articulated import articulated

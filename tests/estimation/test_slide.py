@@ -17,8 +17,8 @@ from drawbar.geometry import Floats
 from drawbar.optimal.transcription import transcribe
 from drawbar.signals import Measurement
 from drawbar.vehicle.articulated import articulated
+from drawbar.vehicle.integrators import integrate
 from drawbar.vehicle.measured import MEASURED
-from drawbar.vehicle.model import integrate
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.sensors import SensorNoise
 

@@ -10,7 +10,8 @@ from pydantic import ValidationError
 
 from drawbar.config import load_configuration
 from drawbar.errors import ConfigurationError
-from drawbar.experiment.experiment import Expectation, Experiment, find_experiments
+from drawbar.experiment.declaration import Expectation
+from drawbar.experiment.experiment import Experiment, find_experiments
 from drawbar.experiment.statistics import Statistic
 
 Write = Callable[[str], Experiment]
@@ -93,11 +94,11 @@ WRONG = {
     "no case": ('title = "x"\ncases = []', "cases"),
     "unknown key": (
         'title = "x"\nseed = 3\ncases = [{ name = "paper" }]',
-        "experiment.toml: 1 wrong value(s).\n  experiment: has no key seed (did you mean seeds?)",
+        "experiment.toml: 1 wrong value.\n  experiment: has no key seed (did you mean seeds?)",
     ),
     "wrong value": (
         'title = "x"\nseeds = 0\ncases = [{ name = "paper" }]',
-        "experiment.toml: 1 wrong value(s).\n  seeds = 0: must be greater than or equal to 1.",
+        "experiment.toml: 1 wrong value.\n  seeds = 0: must be greater than or equal to 1.",
     ),
     "unknown configuration": (
         'title = "x"\ncases = [{ name = "papre" }]',

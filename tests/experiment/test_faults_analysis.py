@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from drawbar.experiment.experiment import Expectation
+from drawbar.experiment.declaration import Expectation
 
 FOLDER = Path(__file__).parents[2] / "experiments" / "faults"
 

@@ -244,7 +244,7 @@ def packed(**files: str) -> bytes:
         (
             "a.gpx",
             b"<gpx><trk><trkseg><trkpt lat='50' lon='4'/></trkseg></trk></gpx>",
-            "neither a line nor a boundary but line 'line 1' of 1 point",
+            "neither a line nor a boundary but line 'line 1' of fewer than 2 different points",
         ),
         (
             "a.gpx",
@@ -253,7 +253,7 @@ def packed(**files: str) -> bytes:
         ),
         ("a.geojson", b'{"type": "LineString", "coordinates": [[4, 95], [4, 50]]}', "within ±180° and ±90°"),
         ("a.geojson", b'{"type": "LineString"}', "no list"),
-        ("a.csv", b"line,latitude,longitude\na,50\n", r"csv:2: .* 2 cells"),
+        ("a.csv", b"line,latitude,longitude\na,50\n", r"csv:2: is .a,50.; line,latitude,longitude is needed"),
         ("a.shp", b"x", r"no a\.prj"),
         ("a.doc", b"x", "of none of the types"),
         ("..", b"x", "cannot be the name of a file"),

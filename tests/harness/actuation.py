@@ -6,7 +6,7 @@ from alone import Alone
 from c_signals import Real, given, room, taken
 
 from drawbar.estimation.actuation import actuation_unit
-from drawbar.estimation.settings import ActuationSettings
+from drawbar.estimation.actuation_settings import ActuationSettings
 from drawbar.signals import Actuation, Command, Estimate, Measurement
 from drawbar.vehicle.parameters import VehicleParameters
 

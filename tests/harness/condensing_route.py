@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from drawbar.geometry import Floats
-from drawbar.optimal.solver import ControlSolver, EstimationSolver
+from drawbar.optimal import ControlSolver, EstimationSolver
 from drawbar.optimal.solver_source import LEVENBERG
 from drawbar.optimal.transcription import Transcription, transcribe
 

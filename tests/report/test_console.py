@@ -11,7 +11,7 @@ from drawbar.report.console import summary
 from drawbar.report.metrics import compute_metrics
 from drawbar.report.path_errors import true_path_errors
 from drawbar.report.progress import RunProgress, progress_line
-from drawbar.report.tables import number
+from drawbar.report.tables import counted, number
 
 
 def printed(renderable):
@@ -72,6 +72,10 @@ def test_the_progress_line_fits_80_columns(run, length):
     line = progress_line(dataclasses.replace(record, reference=reference), length, 0.5).plain
     assert cell_len(line) <= 80
     assert "100%" in line
+
+
+def test_one_is_in_the_singular():
+    assert [counted(each, "step") for each in (0, 1, 2)] == ["0 steps", "1 step", "2 steps"]
 
 
 def test_zero_has_no_sign(run):

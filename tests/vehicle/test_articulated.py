@@ -9,7 +9,8 @@ import pytest
 
 from drawbar.geometry import Floats
 from drawbar.vehicle.articulated import articulated, articulated_trailer
-from drawbar.vehicle.model import Model, integrate
+from drawbar.vehicle.integrators import integrate
+from drawbar.vehicle.model import Model
 from drawbar.vehicle.parameters import VehicleParameters
 
 TINY = 1e-40

@@ -14,7 +14,8 @@ from drawbar.geometry import Floats
 from drawbar.vehicle.articulated import (
     articulated,
 )
-from drawbar.vehicle.model import Model, constant, declare, integrate, symbols, variables
+from drawbar.vehicle.integrators import integrate
+from drawbar.vehicle.model import Model, constant, declare, symbols, variables
 from drawbar.vehicle.parameters import VehicleParameters
 
 

@@ -5,10 +5,10 @@ from dataclasses import replace
 from datetime import timedelta
 
 from drawbar.machine.stand_in.breaking import freeze, moved, report_otherwise
-from drawbar.machine.stand_in.machine import BODIES
 from drawbar.machine.stand_in.receiver import of_quality
 from drawbar.protocols.gnss.checksums import fletcher
 from drawbar.signals import FixQuality
+from drawbar.vehicle.parameters import BODIES
 
 
 def receivers(trial, change, bodies=BODIES):

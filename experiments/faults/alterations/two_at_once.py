@@ -2,10 +2,10 @@
 
 from drawbar.machine.stand_in.breaking import moved, report_otherwise
 from drawbar.machine.stand_in.faults import FAULTS
-from drawbar.machine.stand_in.machine import BODIES
 from drawbar.machine.stand_in.receiver import of_quality
 from drawbar.protocols.sensor_board import sentence
 from drawbar.signals import FixQuality
+from drawbar.vehicle.parameters import BODIES
 
 LATER = 1.0
 """from the first fault to the second, s"""

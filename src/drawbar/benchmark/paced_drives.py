@@ -30,13 +30,13 @@ from drawbar.driving.stand_in.rehearsal import Rehearsal
 from drawbar.driving.stand_in.stand_in_machine import SEED
 from drawbar.geometry import Floats
 from drawbar.guidance.path import Path as Line
-from drawbar.machine.stand_in.machine import BODIES
 from drawbar.messages import CommandMessage, ControllerState, Fixes, Mode, SupervisorState
 from drawbar.messages.records import decode
 from drawbar.recording.drive_records import open_drive
 from drawbar.recording.log import LOG_NAME
 from drawbar.signals import Flag, StepRecord
 from drawbar.simulation import build_path
+from drawbar.vehicle.parameters import BODIES
 
 EXACT = (
     "machine.sensors.position=0.0",

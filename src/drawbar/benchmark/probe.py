@@ -9,9 +9,8 @@ from drawbar.benchmark.peers.race import Race
 from drawbar.benchmark.stopwatch import Stopwatch
 from drawbar.codegen import Component, Workspace, build
 from drawbar.codegen.library import load
-from drawbar.optimal import SolverUnit
+from drawbar.optimal import ControlSolver, EstimationSolver, SolverUnit
 from drawbar.optimal.problem import ControlProblem, EstimationProblem
-from drawbar.optimal.solver import ControlSolver, EstimationSolver
 from drawbar.optimal.solver_source import introspection
 from drawbar.optimal.transcription import transcribe
 from drawbar.signals import SolverStatus

@@ -115,7 +115,7 @@ def _pushed(config: "Configuration") -> "list[CalibrationResult]":
         open_bare_valve,
     )
     from drawbar.extras import require_extra
-    from drawbar.machine.hardware.calibration import CalibrationLimits
+    from drawbar.machine.calibration.pushing import CalibrationLimits
 
     require_extra("drawbar calibrate --push", "machine")
     settings = bare_valve_settings(config)
@@ -149,7 +149,7 @@ class Progress:
     def __rich__(self) -> str:
         """Return it in words."""
         from drawbar.driving.preparation.push_calibration import PUSHES
-        from drawbar.machine.hardware.valve_calibration import RUNS
+        from drawbar.machine.calibration.valve import RUNS
 
         rates = self._pushing.rates
         if rates is not None:

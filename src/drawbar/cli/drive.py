@@ -86,11 +86,7 @@ def drive(
     from drawbar.extras import require_extra
     from drawbar.recording.log import LOG_NAME
 
-    options = None
-    if with_console:
-        require_extra("drawbar drive --console", "machine", "console")
-        demand_real_time(pace)
-        options = pages.options(folder="", configuration="", runs=str(out.parent if out else "runs"))
+    options = _console_options(pages, out, pace) if with_console else None
     require_extra("drawbar drive", "machine")
     if remember:
         demand_what_is_remembered(configuration, changes or [], shadow=shadow)
@@ -112,6 +108,15 @@ def drive(
             keep_steerings(FilePath(configuration), folder / LOG_NAME)
     if failed:
         raise SystemExit(1)
+
+
+def _console_options(pages: Pages, out: FilePath | None, pace: int) -> "ConsoleOptions":
+    """Return the options of the console that goes with the drive; refuse what it cannot be."""
+    from drawbar.extras import require_extra
+
+    require_extra("drawbar drive --console", "machine", "console")
+    demand_real_time(pace)
+    return pages.options(folder="", configuration="", runs=str(out.parent if out else "runs"))
 
 
 def _compile(config: "Configuration") -> None:

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from drawbar.cli.options import Cluster, Jobs, console, one_cluster
+from drawbar.cli.options import Cluster, Jobs, console, continued_later, one_cluster
 
 
 def experiment(
@@ -29,9 +29,6 @@ def experiment(
     from drawbar.experiment.command import run_experiments  # imports the extras
 
     one_cluster(jobs, cluster)
-    try:
+    with continued_later():
         met = run_experiments(console, name, seeds=seeds, only=only or (), out=out, jobs=jobs, address=cluster)
-    except KeyboardInterrupt:
-        console.print("\ninterrupted; the same command continues from the runs that are finished")
-        raise SystemExit(130) from None
     raise SystemExit(0 if met else 1)

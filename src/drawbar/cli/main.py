@@ -12,9 +12,9 @@ from rich.text import Text
 
 from drawbar.cli.bench import bench
 from drawbar.cli.calibrate import calibrate, identify
+from drawbar.cli.check import check
 from drawbar.cli.config import config, events
 from drawbar.cli.console import console, console_user
-from drawbar.cli.devices import check, stand_in
 from drawbar.cli.drive import drive
 from drawbar.cli.experiment import experiment
 from drawbar.cli.export import export
@@ -23,6 +23,7 @@ from drawbar.cli.path import path
 from drawbar.cli.replay import replay
 from drawbar.cli.report import report
 from drawbar.cli.run import run
+from drawbar.cli.stand_in import stand_in
 from drawbar.cli.tube import tube
 from drawbar.cli.tune import tune
 from drawbar.cli.version import version_text

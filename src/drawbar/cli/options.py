@@ -40,6 +40,7 @@ Jobs = Annotated[int | None, typer.Option(min=1, help="processes on this machine
 Pace = Annotated[
     int, typer.Option(min=1, max=FASTEST, help="of stand-ins on this computer: so many times as fast as real time")
 ]
+Track = Annotated[str, typer.Option(help="name of the line, where the file holds several")]
 Cluster = Annotated[str, typer.Option(metavar="ADDRESS", help="of a running Dask scheduler to use instead")]
 
 
@@ -91,6 +92,20 @@ def configured(source: str, path: str | None, track: str, changes: Sequence[str]
     return load_configuration(source, [*settings, *changes])
 
 
+def configured_devices(name: str, changes: Sequence[str] | None) -> "Configuration":
+    """Return a configuration that names devices; raise ConfigurationError for one that does not."""
+    from drawbar.config import load_configuration
+    from drawbar.errors import ConfigurationError
+
+    config = load_configuration(name, changes or [])
+    if config.devices is None:
+        raise ConfigurationError(
+            f"{name} names no devices; add a section [devices] (docs/driving.md), or try `drawbar drive`, which "
+            "stands in for all of them"
+        )
+    return config
+
+
 def line_changes(path: str | None, track: str) -> list[str]:
     """Return the changes of a configuration that choose a line by --path (None: its own) and --track (empty: none)."""
     if path == "":
@@ -112,6 +127,16 @@ def compiling() -> Iterator[None]:
     text = "making the control step ready, the first time by compiling it …"
     with console.status(text) as status, watch_compilation(lambda *of: status.update(f"{text} {of[0]} of {of[1]}")):
         yield
+
+
+@contextmanager
+def continued_later() -> Iterator[None]:
+    """Let Ctrl-C end a command that continues from its finished runs when it is given again; exit code 130."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        console.print("\ninterrupted; the same command continues from the runs that are finished")
+        raise SystemExit(130) from None
 
 
 def refuse_to_replace(option: str, target: FilePath, given: FilePath) -> None:

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from drawbar.cli.options import ConfigurationName, changing, configured, console, refuse_to_replace, written
+from drawbar.cli.options import ConfigurationName, Track, changing, configured, console, refuse_to_replace, written
 from drawbar.cli.whole_files import write_whole
 from drawbar.errors import DrawbarError
 
@@ -19,7 +19,7 @@ def path(
         str | None,
         typer.Option("--path", help="recorded line: AgOpenGPS field folder, CSV (x,y) or GeoJSON; default: its own"),
     ] = None,
-    track: Annotated[str, typer.Option(help="name of the line, where the file holds several")] = "",
+    track: Track = "",
     changes: Annotated[list[str] | None, changing("path.extension=250")] = None,
 ) -> None:
     """Write a line, made drivable for a configuration's vehicle, as the path table of the C library."""

@@ -37,11 +37,12 @@ def replay(
     else:
         from drawbar.recompute import replay as recompute
         from drawbar.recording.log import read_log
+        from drawbar.report.tables import counted
 
         recomputed = recompute(read_log(log), changes or [])
     if not recomputed.records:
         raise DrawbarError(f"{log}: holds no step to recompute; give the log of a run that was longer")
-    console.print(f"{log}: {len(recomputed.records)} steps recomputed")
+    console.print(f"{log}: {counted(len(recomputed.records), 'step')} recomputed")
     if recomputed.cut:
         console.print(f"what follows cannot be recomputed: {recomputed.cut}", style="bold yellow", soft_wrap=True)
     if not recomputed.differences:

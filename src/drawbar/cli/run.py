@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drawbar.cli.options import ConfigurationName, changing, compiling, configured, console, written
+from drawbar.cli.options import ConfigurationName, Track, changing, compiling, configured, console, written
 from drawbar.configurations import CONFIGURATION_NAME
 from drawbar.errors import DrawbarError, StorageError
 
@@ -21,7 +21,7 @@ def run(
         str | None,
         typer.Option(help="recorded line: AgOpenGPS field folder, CSV (x,y) or GeoJSON; default: figure-eights"),
     ] = None,
-    track: Annotated[str, typer.Option(help="name of the line, where the file holds several")] = "",
+    track: Track = "",
     changes: Annotated[list[str] | None, changing("vehicle.wheelbase=1.5")] = None,
     seed: Annotated[int, typer.Option(min=0, help="of all randomness in the simulated machine")] = 0,
     out: Annotated[

@@ -5,7 +5,16 @@ from typing import Annotated
 
 import typer
 
-from drawbar.cli.options import Cluster, ConfigurationName, Jobs, changing, console, one_cluster, written
+from drawbar.cli.options import (
+    Cluster,
+    ConfigurationName,
+    Jobs,
+    changing,
+    console,
+    continued_later,
+    one_cluster,
+    written,
+)
 
 
 def tune(
@@ -36,8 +45,5 @@ def tune(
     space = read_space(configuration, changes or [], [*(parameters or []), *(more or [])])
     folder = out or FilePath("runs") / f"{space.configuration.name}-tune"
     budget = command.Budget(trials=trials, seed=seed, jobs=jobs, address=cluster)
-    try:
+    with continued_later():
         command.tune(console, space, folder, budget)
-    except KeyboardInterrupt:
-        console.print("\ninterrupted; the same command continues from the runs that are finished")
-        raise SystemExit(130) from None

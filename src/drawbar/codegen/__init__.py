@@ -1,6 +1,6 @@
 """Code generation: C from CasADi, compiler discovery, build cache, loading.
 
-CasADi itself is imported by those alone who generate C from it: `emit.py`, `recurrence.py`.
+CasADi itself is imported by those alone who generate C from it: `statements.py`, `emit.py`, `recurrence.py`.
 """
 
 from drawbar.codegen.cache import build, watch_compilation

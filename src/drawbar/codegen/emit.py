@@ -6,55 +6,12 @@ scattered to, time-major arrays. What depends on constants only is computed befo
 not computed but laid down once (emit_constants).
 """
 
-import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import casadi as ca
 
-from drawbar.errors import ModelError
-
-_BINARY = {ca.OP_ADD: "+", ca.OP_SUB: "-", ca.OP_MUL: "*", ca.OP_DIV: "/", ca.OP_LT: "<", ca.OP_LE: "<="}
-_TEMPLATES = {
-    ca.OP_ASSIGN: "{0}",
-    ca.OP_NEG: "-{0}",
-    ca.OP_SQ: "{0} * {0}",
-    ca.OP_TWICE: "2.0 * {0}",
-    ca.OP_INV: "1.0 / {0}",
-    ca.OP_SIN: "lane_sin({0})",
-    ca.OP_COS: "lane_cos({0})",
-    ca.OP_TAN: "lane_tan({0})",
-    ca.OP_SQRT: "sqrt({0})",
-    ca.OP_FABS: "fabs({0})",
-    ca.OP_SIGN: "({0} > 0.0) - ({0} < 0.0)",
-    ca.OP_EXP: "exp({0})",
-    ca.OP_LOG: "log({0})",
-    ca.OP_ATAN: "atan({0})",
-    ca.OP_ASIN: "asin({0})",
-    ca.OP_ACOS: "acos({0})",
-    ca.OP_TANH: "tanh({0})",
-    ca.OP_NOT: "{0} == 0.0",
-    ca.OP_IF_ELSE_ZERO: "{0} != 0.0 ? {1} : 0.0",
-}
-_CALLS = {
-    ca.OP_ATAN2: "atan2",
-    ca.OP_POW: "pow",
-    ca.OP_CONSTPOW: "pow",
-    ca.OP_FMIN: "fmin",
-    ca.OP_FMAX: "fmax",
-}
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Input:
-    """A vector argument, stored row by row, or the same for all stages."""
-
-    place: str
-    """C expression of element {i} at stage {k}, e.g. `work->u[{k}][{i}]`"""
-    rows: str
-    """C expression: how many rows there are; later stages read the last one; empty: the same for all stages"""
-    symbol: ca.SX
-    """(n, 1) symbols"""
+from drawbar.codegen.statements import Input, statements
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -104,22 +61,6 @@ class _Entry:
         return self.owner.at(self.row, self.column)
 
 
-@dataclass(slots=True)
-class _Program:
-    """Expressions as C statements."""
-
-    once: list[str] = field(default_factory=list)
-    """what is the same for all stages"""
-    lanes: list[str] = field(default_factory=list)
-    """the rest, for one stage, which ends in out[result][lane]"""
-    gathered: list[tuple[int, int]] = field(default_factory=list)
-    """(input, element) that the stage reads as in[index][lane]"""
-    results: list[str] = field(default_factory=list)
-    """names of the expressions' values"""
-    inverses: dict[str, str] = field(default_factory=dict)
-    """names of the inverses of divisors"""
-
-
 def emit_indices(names: Mapping[str, Sequence[str]]) -> str:
     """Return C enumerations of indices: what the elements of vectors are called, by the prefix of each vector."""
     listed = (", ".join(index_name(prefix, name) for name in elements) for prefix, elements in names.items())
@@ -138,7 +79,7 @@ def emit_constants(name: str, inputs: list[Input], outputs: list[Output], argume
         ModelError: an entry is infinite or NaN.
     """
     same = _entries(inputs, outputs, varying=False)
-    program = _program(inputs, same)
+    program = statements(inputs, [entry.value for entry in same])
     loops = []
     for output in outputs:
         lines = [
@@ -167,7 +108,7 @@ def emit(name: str, inputs: list[Input], outputs: list[Output], arguments: str) 
             finite.
     """
     varying = _entries(inputs, outputs, varying=True)
-    program = _program(inputs, varying)
+    program = statements(inputs, [entry.value for entry in varying])
     return f"""
 static void {name}({arguments}, int first, int count)
 {{
@@ -235,80 +176,3 @@ def _entries(inputs: list[Input], outputs: list[Output], *, varying: bool) -> li
     staged = ca.vertcat(*(each.symbol for each in inputs if each.rows))
     depends = ca.which_depends(ca.vertcat(*(entry.value for entry in every)), staged, 1, True)
     return [entry for entry, varies in zip(every, depends, strict=True) if varies is varying]
-
-
-def _program(inputs: list[Input], entries: list[_Entry]) -> _Program:
-    """Return the entries' values as C statements."""
-    function = ca.Function("f", [i.symbol for i in inputs], [ca.vertcat(*(entry.value for entry in entries))])
-    program, names, fixed = _Program(), dict[int, str](), set[str]()
-    for k in range(function.n_instructions()):
-        operation = function.instruction_id(k)
-        source, target = function.instruction_input(k), function.instruction_output(k)
-        if operation == ca.OP_OUTPUT:
-            name = names[source[0]]
-            program.lanes.append(f"out[{target[1]}][lane] = {name};")
-            program.results.append(name)
-            continue
-        if operation == ca.OP_CONST:
-            name = _literal(function.instruction_constant(k))
-            fixed.add(name)
-        elif operation == ca.OP_INPUT:
-            name = _read(program, inputs, source[0], source[1], f"t{k}", fixed)
-        else:
-            name = _computed(program, operation, [names[i] for i in source], f"t{k}", fixed)
-        names[target[0]] = name
-    return program
-
-
-def _read(program: _Program, inputs: list[Input], argument: int, element: int, name: str, fixed: set[str]) -> str:
-    """Let a name be an element of an input, and return it."""
-    if inputs[argument].rows:
-        program.lanes.append(f"const double {name} = in[{len(program.gathered)}][lane];")
-        program.gathered.append((argument, element))
-    else:
-        program.once.append(f"const double {name} = {inputs[argument].place.format(i=element)};")
-        fixed.add(name)
-    return name
-
-
-def _computed(program: _Program, operation: int, arguments: list[str], name: str, fixed: set[str]) -> str:
-    """Let a name be the value of an operation, and return it."""
-    if all(argument in fixed for argument in arguments):
-        program.once.append(f"const double {name} = {_expression(operation, arguments)};")
-        fixed.add(name)
-        return name
-    if operation == ca.OP_DIV:  # a product is several times as fast, and divisors come again
-        operation, arguments = ca.OP_MUL, [arguments[0], _inverse(program, arguments[1], fixed)]
-    program.lanes.append(f"const double {name} = {_expression(operation, arguments)};")
-    return name
-
-
-def _inverse(program: _Program, value: str, fixed: set[str]) -> str:
-    """Return the name of a value's inverse."""
-    if value not in program.inverses:
-        name = program.inverses[value] = f"inverse{len(program.inverses)}"
-        lines = program.once if value in fixed else program.lanes
-        lines.append(f"const double {name} = 1.0 / {value};")
-    return program.inverses[value]
-
-
-def _literal(value: float) -> str:
-    text = repr(float(value))
-    if not math.isfinite(value):
-        raise ModelError(
-            f"The model or one of its derivatives has the constant {text}; only finite numbers are allowed."
-        )
-    return f"({text})" if text.startswith("-") else text
-
-
-def _expression(operation: int, arguments: list[str]) -> str:
-    if operation in _BINARY:
-        return f"{arguments[0]} {_BINARY[operation]} {arguments[1]}"
-    if operation in _TEMPLATES:
-        return _TEMPLATES[operation].format(*arguments)
-    if operation in _CALLS:
-        return f"{_CALLS[operation]}({', '.join(arguments)})"
-    raise ModelError(
-        f"The model uses CasADi operation {operation}, which the C runtime does not have; allowed are + - * /, powers, "
-        "sqrt, fabs, fmin, fmax, if_else with < and <=, exp, log, tanh and the trigonometric functions."
-    )

@@ -4,10 +4,10 @@ from collections.abc import Callable
 
 from nicegui import ui
 
+from drawbar.console.language.words import Words
 from drawbar.console.link import Link
 from drawbar.console.view import Dashboard, drives_chosen_line, set_speed_text, shift_text
 from drawbar.console.widgets import button
-from drawbar.console.words import Words
 from drawbar.driving.operator.requests import changed_speed
 from drawbar.messages import Action
 

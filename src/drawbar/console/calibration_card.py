@@ -10,17 +10,17 @@ from nicegui import ui
 from drawbar.config import Configuration
 from drawbar.console.calibration_widgets import CURVE, StepList, changes_of, list_found, plot_options
 from drawbar.console.hand_log import Driven
+from drawbar.console.language.words import Words
 from drawbar.console.link import Link
 from drawbar.console.live_plot import Curve, LivePlot
 from drawbar.console.next_drive import NextDrive
 from drawbar.console.widgets import button, card
-from drawbar.console.words import Words
 from drawbar.driving.preparation.dead_bands import dead_bands
 from drawbar.driving.preparation.hand_calibration import CalibrationResult, calibrate
 from drawbar.driving.preparation.hand_drive import HandDrive
 from drawbar.driving.preparation.steering_memory import steering_memory
 from drawbar.errors import ConfigurationError, DrawbarError
-from drawbar.machine.hardware.mounting_calibration import BACK
+from drawbar.machine.calibration.mounting import BACK
 from drawbar.messages import GateState
 from drawbar.signals import Measurement, StepRecord
 

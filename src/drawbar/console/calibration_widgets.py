@@ -6,7 +6,7 @@ from typing import Any
 
 from nicegui import ui
 
-from drawbar.console.words import Words
+from drawbar.console.language.words import Words
 from drawbar.driving.preparation.hand_calibration import CalibrationResult
 
 _PICTURE = '<svg viewBox="0 0 48 48" class="to-drive" aria-hidden="true"><path d="{}"/></svg>'

@@ -9,12 +9,12 @@ from drawbar.console.adjusting import Adjusting
 from drawbar.console.debouncer import Debouncer
 from drawbar.console.drawing import Lines, Moving, moving_by_hand
 from drawbar.console.instruments import Instruments
+from drawbar.console.language.words import Words
 from drawbar.console.link import Link
 from drawbar.console.menu import menu
 from drawbar.console.view import Dashboard, dashboard, display_name, picture
 from drawbar.console.visitors import Visitor
 from drawbar.console.widgets import button, heading
-from drawbar.console.words import Words
 from drawbar.messages import Action
 from drawbar.safety.causes import Cause
 from drawbar.safety.operator_requests import ALWAYS

@@ -7,10 +7,10 @@ from html import escape
 from nicegui import events, ui
 
 from drawbar.console.access_control import LARGEST_UPLOAD
+from drawbar.console.language.words import Words
 from drawbar.console.next_drive import NextDrive
 from drawbar.console.page_head import tell
 from drawbar.console.widgets import button, card
-from drawbar.console.words import Words
 from drawbar.errors import DrawbarError
 from drawbar.fields.exchange import KINDS, WRITERS, take_in
 from drawbar.fields.field import Field

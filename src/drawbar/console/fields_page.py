@@ -14,6 +14,7 @@ from nicegui import background_tasks, ui
 from drawbar.console.audit import Audit
 from drawbar.console.exchange_card import ExchangeCard
 from drawbar.console.field_map import FieldMap
+from drawbar.console.language.words import Words
 from drawbar.console.link import Link
 from drawbar.console.new_line_card import NewLineCard
 from drawbar.console.next_drive import NextDrive
@@ -21,7 +22,6 @@ from drawbar.console.page_head import PageHead, tell
 from drawbar.console.thinning import kept_points
 from drawbar.console.visitors import Visitor
 from drawbar.console.widgets import button, card
-from drawbar.console.words import Words
 from drawbar.errors import DrawbarError, PathError
 from drawbar.fields.field import Field, FieldLine
 from drawbar.fields.formats import geojson

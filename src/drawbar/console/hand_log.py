@@ -8,7 +8,7 @@ import numpy as np
 from drawbar.driving.preparation.dead_bands import steered_time
 from drawbar.driving.preparation.hand_calibration import two_ways
 from drawbar.driving.preparation.hand_drive import HandDrive
-from drawbar.machine.hardware.mounting_calibration import TURNING
+from drawbar.machine.calibration.mounting import TURNING
 from drawbar.messages import GateState
 from drawbar.signals import StepRecord
 

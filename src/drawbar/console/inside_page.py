@@ -2,13 +2,13 @@
 
 from nicegui import ui
 
+from drawbar.console.language.words import Words
 from drawbar.console.link import Link
 from drawbar.console.live_plot import Curve, LivePlot
 from drawbar.console.page_head import PageHead
 from drawbar.console.signal_history import PRESETS, Column, all_names, columns, row
 from drawbar.console.visitors import Visitor
 from drawbar.console.widgets import button
-from drawbar.console.words import Words
 
 _OPTION = """
 <q-item v-bind="props.itemProps"><q-item-section>

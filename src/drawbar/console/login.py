@@ -10,10 +10,10 @@ from starlette.responses import HTMLResponse, RedirectResponse, Response
 
 from drawbar.console.access_control import LOGIN, set_cookie
 from drawbar.console.audit import Audit
+from drawbar.console.language.words import Words
 from drawbar.console.passwords import User, verify
 from drawbar.console.token_bucket import TokenBuckets
 from drawbar.console.visitors import COOKIE, Visitors
-from drawbar.console.words import Words
 
 ATTEMPTS, AGAIN = 5.0, 60.0
 """attempts from one address at once, and the time that gives as many new ones, s"""

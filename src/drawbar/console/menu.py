@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 from nicegui import ui
 
-from drawbar.console.words import Words
+from drawbar.console.language.words import Words
 
 ADDRESSES = {"drive": "/", "fields": "/fields", "setup": "/setup", "runs": "/runs", "inside": "/inside"}
 """of the pages, by the catalogue's key of their names"""

@@ -6,10 +6,10 @@ from collections.abc import Callable
 import numpy as np
 from nicegui import ui
 
+from drawbar.console.language.words import Words
 from drawbar.console.link import Link
 from drawbar.console.page_head import tell
 from drawbar.console.widgets import button, card
-from drawbar.console.words import Words
 from drawbar.errors import DrawbarError
 from drawbar.fields.lines import from_a_and_b, from_a_and_heading
 from drawbar.fields.track import Track

@@ -2,12 +2,12 @@
 
 from nicegui import ui
 
+from drawbar.console.language.words import Words
 from drawbar.console.link import Link
 from drawbar.console.menu import menu
 from drawbar.console.view import dashboard
 from drawbar.console.visitors import Visitor
 from drawbar.console.widgets import button
-from drawbar.console.words import Words
 from drawbar.messages import Action
 
 

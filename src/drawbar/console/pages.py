@@ -18,6 +18,7 @@ from drawbar.console.drawing import Lines
 from drawbar.console.drive_page import DrivePage
 from drawbar.console.fields_page import FieldsPage
 from drawbar.console.inside_page import InsidePage
+from drawbar.console.language.words import Words, language_of
 from drawbar.console.link import Link
 from drawbar.console.login import Login
 from drawbar.console.menu import ADDRESSES
@@ -26,7 +27,6 @@ from drawbar.console.passwords import User
 from drawbar.console.runs_page import MAP, REPORT, RunsPage, file_of
 from drawbar.console.set_up_page import SetUpPage
 from drawbar.console.visitors import Visitor, Visitors
-from drawbar.console.words import Words, language_of
 from drawbar.driving.messaging.console_options import LOOPBACK, ConsoleOptions
 from drawbar.realtime import say
 

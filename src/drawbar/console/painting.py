@@ -10,12 +10,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from drawbar.console.browsers import Place, place_of
-from drawbar.console.screenshots import PHONE, chromium_path
+from drawbar.console.screenshots import PHONE, WAIT, chromium_path
 
 PHONE_SLOWER = 4
 """times, by which a phone's processor is slower than this one"""
-_WAIT = 90_000
-"""ms"""
 _WATCH = """
 (() => {
   window.painted = [];
@@ -93,8 +91,8 @@ _PAGES = {"map": "", "plot": "inside"}
 
 
 async def _watched(page: Any, name: str, slower: int, address: str, duration: float) -> Painted:
-    await page.goto(address, timeout=_WAIT)
-    await page.wait_for_function("window.painted.length > 5", timeout=_WAIT)
+    await page.goto(address, timeout=WAIT)
+    await page.wait_for_function("window.painted.length > 5", timeout=WAIT)
     await page.evaluate("window.painted = []")
     begin = time.monotonic_ns()
     await page.wait_for_timeout(1e3 * duration)

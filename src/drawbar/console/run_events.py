@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from drawbar.console.words import Words
+from drawbar.console.language.words import Words
 from drawbar.messages import Action
 from drawbar.recording.drive_events import Asked, Became, DriveEvent, Loss, Noticed, Refused, drive_events
 from drawbar.safety.causes import Cause

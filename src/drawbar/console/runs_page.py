@@ -15,13 +15,13 @@ from nicegui import ui
 
 from drawbar.configurations import CONFIGURATION_NAME
 from drawbar.console.audit import Audit
+from drawbar.console.language.words import Words
 from drawbar.console.link import Link
 from drawbar.console.page_head import PageHead, tell
 from drawbar.console.run_comparison import FIGURES, METRICS, read_metrics, value_of
 from drawbar.console.run_events import run_events
 from drawbar.console.visitors import Visitor
 from drawbar.console.widgets import button, card
-from drawbar.console.words import Words
 from drawbar.errors import DrawbarError
 from drawbar.recording.log import LOG_NAME, read_log
 from drawbar.recording.table import write_csv

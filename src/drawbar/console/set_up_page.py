@@ -10,6 +10,7 @@ from drawbar.config import Configuration
 from drawbar.console.audit import Audit
 from drawbar.console.calibration_card import CalibrationCard
 from drawbar.console.device_rates import DEVICES, missing
+from drawbar.console.language.words import Words
 from drawbar.console.link import Link
 from drawbar.console.next_drive import NextDrive
 from drawbar.console.page_head import PageHead, tell
@@ -20,7 +21,6 @@ from drawbar.console.vehicle_drawing import number_id, vehicle_drawing
 from drawbar.console.versions import Version, read_version
 from drawbar.console.visitors import Visitor
 from drawbar.console.widgets import button, card, heading
-from drawbar.console.words import Words
 from drawbar.errors import DrawbarError
 
 _VERSIONS = 10

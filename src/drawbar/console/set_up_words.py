@@ -4,9 +4,9 @@ import math
 import re
 
 from drawbar.config import Configuration
+from drawbar.console.language.words import Words
 from drawbar.console.set_up_values import GROUPS, RADIUS, SetUpValue
 from drawbar.console.versions import changes_between
-from drawbar.console.words import Words
 from drawbar.settings import FASTEST, LONGEST
 
 _LINE = re.compile(r"  (?P<key>[\w.]+) = \S+: (?P<reason>.*)\.")

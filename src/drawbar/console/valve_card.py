@@ -9,11 +9,11 @@ from contextlib import closing
 from nicegui import ui
 
 from drawbar.console.calibration_widgets import StepList, changes_of, list_found
+from drawbar.console.language.words import Words
 from drawbar.console.link import Link
 from drawbar.console.live_plot import Curve, LivePlot
 from drawbar.console.next_drive import NextDrive
 from drawbar.console.widgets import button, card
-from drawbar.console.words import Words
 from drawbar.driving.preparation.hand_calibration import CalibrationResult
 from drawbar.driving.preparation.push_calibration import (
     PATIENCE,
@@ -24,8 +24,8 @@ from drawbar.driving.preparation.push_calibration import (
     open_bare_valve,
 )
 from drawbar.errors import DrawbarError
+from drawbar.machine.calibration.valve import RUNS
 from drawbar.machine.hardware.bare_valve import BareValve
-from drawbar.machine.hardware.valve_calibration import RUNS
 
 _PREPARED = 5.0
 """after the first button, within which the second one moves, s"""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from drawbar.console.drawing import Moving
-from drawbar.console.words import Words
+from drawbar.console.language.words import Words
 from drawbar.driving.operator.display import BAD, GOOD, STANDS, WARNING, is_beside_line, notices, refusals
 from drawbar.driving.operator.requests import wished_speed
 from drawbar.messages import ControllerState, GateState, SupervisorState
@@ -95,10 +95,7 @@ def dashboard(
     state = gate.state
     latched, ready = state in LATCHED, state is SupervisorState.READY
     driving = state in STEERING
-    reasons = ((words("next_ready"), ""),) if ready and drives else _reasons(gate, controller, words)
-    if latched and drives:
-        reasons = ((words("next_override" if state is SupervisorState.OVERRIDE else "next_latched"), ""), *reasons)
-    reasons += tuple(map(words.cause, notices(controller, gate)))
+    reasons = _reasons(gate, controller, words, drives=drives)
     reasons += ((words("no_corrections"), words.message(corrections)),) if corrections else ()
     return Dashboard(
         word=words(state.name),
@@ -149,11 +146,20 @@ def _detail(gate: GateState, words: Words, status: Status | None) -> str:
     return " · ".join(parts)
 
 
-def _reasons(gate: GateState, controller: ControllerState | None, words: Words) -> tuple[tuple[str, str], ...]:
-    found = tuple(map(words.cause, refusals(gate, controller)))
-    if not found and gate.state is SupervisorState.STANDBY:
-        return ((words("wait_ready"), ""),)
-    return found
+def _reasons(
+    gate: GateState, controller: ControllerState | None, words: Words, *, drives: bool
+) -> tuple[tuple[str, str], ...]:
+    """Return what comes next, what is in the way of it, and what else is to be known."""
+    if gate.state is SupervisorState.READY and drives:
+        found: tuple[tuple[str, str], ...] = ((words("next_ready"), ""),)
+    else:
+        found = tuple(map(words.cause, refusals(gate, controller)))
+        if not found and gate.state is SupervisorState.STANDBY:
+            found = ((words("wait_ready"), ""),)
+    if gate.state in LATCHED and drives:
+        next_step = "next_override" if gate.state is SupervisorState.OVERRIDE else "next_latched"
+        found = ((words(next_step), ""), *found)
+    return found + tuple(map(words.cause, notices(controller, gate)))
 
 
 def _count(reasons: tuple[tuple[str, str], ...]) -> str:

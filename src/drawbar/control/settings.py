@@ -201,6 +201,10 @@ Declared = Mapping[str, NonNegative]
 """bounds by name; `drawbar tube CONFIG` lists the names and units that a model has"""
 
 
+DECLARED_SECTIONS = ("disturbances", "estimation", "increments")
+"""of BodyTubeSettings, each of which declares bounds"""
+
+
 class BodyTubeSettings(AncillaryGain):
     """One body's ancillary gain, and the bounds from which its invariant set is computed; none declared, no set."""
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drawbar.codegen import Unit
-from drawbar.estimation.settings import ActuationSettings, SteeringMemory
+from drawbar.estimation.actuation_settings import ActuationSettings, SteeringMemory
 from drawbar.geometry import Floats
 from drawbar.vehicle.parameters import VehicleParameters
 

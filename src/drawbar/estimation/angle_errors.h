@@ -13,6 +13,7 @@
 #include <stdint.h>
 #include <string.h>
 #include "geometry.h"
+#include "kalman_update.h"
 #include "noinline.h"
 
 #define ACROSS_NOISE 0.05                  /* standard deviation of the distance by one pair of fixes, m */
@@ -123,11 +124,7 @@ static COLD void angle_errors_update(struct angle_errors *errors)
     if (errors->outside)
         return;
     memcpy(cross, errors->covariance[ACROSS], sizeof cross);
-    for (int i = 0; i < ANGLE_STATES; ++i) {
-        errors->state[i] += cross[i] / variance * innovation;
-        for (int j = 0; j < ANGLE_STATES; ++j)
-            errors->covariance[i][j] -= cross[i] * cross[j] / variance;
-    }
+    kalman_update(ANGLE_STATES, errors->state, *errors->covariance, cross, variance, innovation);
 }
 
 /* Compare the ways of both axles since the last pair of fixes. ahead: of the trailer's point before its axle, m. */

@@ -13,8 +13,10 @@ from typing import Any
 import casadi as ca
 
 from drawbar.codegen import Unit
-from drawbar.codegen.emit import Input, Output, emit, emit_indices, index_name
-from drawbar.vehicle.model import Model, by_name, constant, runge_kutta, symbols, variables
+from drawbar.codegen.emit import Output, emit, emit_indices, index_name
+from drawbar.codegen.statements import Input
+from drawbar.vehicle.integrators import runge_kutta
+from drawbar.vehicle.model import Model, by_name, constant, symbols, variables
 from drawbar.vehicle.parameters import VehicleParameters
 
 _STEPS = 4

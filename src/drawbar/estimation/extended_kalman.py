@@ -7,7 +7,8 @@ import casadi as ca
 import numpy as np
 
 from drawbar.codegen import Unit, Workspace
-from drawbar.codegen.emit import Input, Output, emit, emit_constants
+from drawbar.codegen.emit import Output, emit, emit_constants
+from drawbar.codegen.statements import Input
 from drawbar.errors import ModelError
 from drawbar.estimation.description import EstimationModel
 from drawbar.geometry import Floats

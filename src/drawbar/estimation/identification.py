@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from drawbar.codegen import Component, build
 from drawbar.codegen.library import load
 from drawbar.estimation.actuation import actuation_unit
-from drawbar.estimation.settings import ActuationSettings
+from drawbar.estimation.actuation_settings import ActuationSettings
 from drawbar.signals import Actuation, Command, Measurement
 from drawbar.signals.layout import Layout
 from drawbar.vehicle.parameters import VehicleParameters

@@ -13,6 +13,7 @@
 #include <stdint.h>
 #include <string.h>
 #include "geometry.h"
+#include "kalman_update.h"
 
 enum { SWING_OFFSET, SWING_DRIFT, SWING_GAIN, SWING_STATES };
 
@@ -97,23 +98,19 @@ static inline void swing_propagate(struct mast_swing *swing, const double *expec
  * normalised innovation squared, clipped; where it is, the offset is another one. */
 static inline double swing_filter_update(struct swing_filter *filter, double lateral, double by_roll, double noise)
 {
-    double gain[SWING_STATES], variance = noise * noise;
+    double cross[SWING_STATES], variance = noise * noise;
     const double innovation = lateral - filter->state[SWING_OFFSET] - by_roll * filter->state[SWING_GAIN];
 
     for (int i = 0; i < SWING_STATES; ++i)
-        gain[i] = filter->covariance[i][SWING_OFFSET] + by_roll * filter->covariance[i][SWING_GAIN];
-    variance += gain[SWING_OFFSET] + by_roll * gain[SWING_GAIN];
+        cross[i] = filter->covariance[i][SWING_OFFSET] + by_roll * filter->covariance[i][SWING_GAIN];
+    variance += cross[SWING_OFFSET] + by_roll * cross[SWING_GAIN];
     const double nis = fmin(innovation * innovation / variance, SWING_JUMP * SWING_JUMP);
     if (nis >= SWING_JUMP * SWING_JUMP) {
         filter->covariance[SWING_OFFSET][SWING_OFFSET] += OFFSET_PRIOR * OFFSET_PRIOR;
-        gain[SWING_OFFSET] += OFFSET_PRIOR * OFFSET_PRIOR;
+        cross[SWING_OFFSET] += OFFSET_PRIOR * OFFSET_PRIOR;
         variance += OFFSET_PRIOR * OFFSET_PRIOR;
     }
-    for (int i = 0; i < SWING_STATES; ++i) {
-        filter->state[i] += gain[i] / variance * innovation;
-        for (int j = 0; j < SWING_STATES; ++j)
-            filter->covariance[i][j] -= gain[i] * gain[j] / variance;
-    }
+    kalman_update(SWING_STATES, filter->state, *filter->covariance, cross, variance, innovation);
     return nis;
 }
 

@@ -14,6 +14,7 @@
 #include <math.h>
 #include <stdint.h>
 #include "geometry.h"
+#include "kalman_update.h"
 #include "noinline.h"
 
 #define DEGREE (DRAWBAR_PI / 180.0)
@@ -130,11 +131,7 @@ static inline void yaw_rate_compare(struct yaw_rate_sensor *sensor, const struct
         cross[i] = sensor->covariance[i][LEAD] + reference->turning * sensor->covariance[i][LATENCY];
     variance += cross[LEAD] + reference->turning * cross[LATENCY];
     sensor->innovation_variance += share * (innovation * innovation - sensor->innovation_variance);
-    for (int i = 0; i < YAW_RATE_STATES; ++i) {
-        sensor->state[i] += cross[i] / variance * innovation;
-        for (int j = 0; j < YAW_RATE_STATES; ++j)
-            sensor->covariance[i][j] -= cross[i] * cross[j] / variance;
-    }
+    kalman_update(YAW_RATE_STATES, sensor->state, *sensor->covariance, cross, variance, innovation);
     sensor->state[BIAS] = clipped(sensor->state[BIAS], MOST_BIAS);
     sensor->state[SCALE] = clipped(sensor->state[SCALE], MOST_SCALE);
 }

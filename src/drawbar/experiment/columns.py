@@ -6,13 +6,13 @@ from typing import Any, get_args, get_origin, get_type_hints
 
 import numpy as np
 
+from drawbar.experiment.deviation import DEVIATION
 from drawbar.misspelt import meant
 from drawbar.report.path_errors import Bodies
 from drawbar.signals import StepRecord
 
 _ARRAY = ".0"
 """behind the name of an array, for any place in it"""
-_DEVIATION = "deviation."
 
 
 def unknown_columns(columns: Sequence[str], *, rehearsed: bool) -> list[str]:
@@ -26,7 +26,7 @@ def _is_there(name: str, known: set[str], *, rehearsed: bool) -> bool:
     return (
         name in known
         or (place.isdecimal() and f"{head}{_ARRAY}" in known)
-        or (not rehearsed and name.startswith(_DEVIATION))  # of which an estimator's model may have none: NaN
+        or (not rehearsed and name.startswith(DEVIATION))  # of which an estimator's model may have none: NaN
     )
 
 

@@ -2,8 +2,8 @@
 
 from drawbar.experiment.elements import Element, Table, Text
 from drawbar.experiment.measured import MeasuredExperiment
+from drawbar.vehicle.parameters import BODIES
 
-_BODIES = ("tractor", "trailer")
 _CAPTION = (
     "Distance of the points on the ground from the path, tractor / trailer, cm: mean over the seeds, and the largest "
     "of all; in brackets how many runs came to the end, where not all did."
@@ -52,7 +52,7 @@ def _distances(measured: MeasuredExperiment, case: str) -> str:
     """Return means and largest distances of both bodies; empty for a case that was not driven."""
     if case not in measured.runs:
         return ""
-    most = " / ".join(f"{measured.statistic(case, f'{body} largest').largest:.0f}" for body in _BODIES)
+    most = " / ".join(f"{measured.statistic(case, f'{body} largest').largest:.0f}" for body in BODIES)
     return measured.with_finished(case, f"{_means(measured, case, 'mean')}, {most}")
 
 
@@ -64,12 +64,12 @@ def _spreads(measured: MeasuredExperiment, case: str) -> str:
 
 
 def _means(measured: MeasuredExperiment, case: str, figure: str) -> str:
-    return " / ".join(f"{measured.statistic(case, f'{body} {figure}').mean:.1f}" for body in _BODIES)
+    return " / ".join(f"{measured.statistic(case, f'{body} {figure}').mean:.1f}" for body in BODIES)
 
 
 def _nearer(measured: MeasuredExperiment, one: str, other: str) -> bool:
     """Return whether the first of two cases has less of both mean distances; NaN is not less."""
     if one not in measured.runs:
         return False
-    names = [f"{body} mean" for body in _BODIES]
+    names = [f"{body} mean" for body in BODIES]
     return all(measured.statistic(one, name).mean < measured.statistic(other, name).mean for name in names)

@@ -13,6 +13,8 @@ from drawbar.step.autopilot import Autopilot
 from drawbar.vehicle.articulated import articulated
 from drawbar.vehicle.tricycle import tricycle
 
+DEVIATION = "deviation."
+"""with which the names of its columns begin"""
 _MODELS = {"articulated": articulated, "tricycle": tricycle}
 
 

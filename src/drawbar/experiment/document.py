@@ -11,6 +11,7 @@ from drawbar.errors import StorageError
 from drawbar.experiment.elements import Element, markdown_table
 from drawbar.experiment.measured import REPORT_NAME, MeasuredExperiment
 from drawbar.experiment.writing import writing
+from drawbar.report.tables import counted
 
 RESULTS_NAME = "results.md"
 SUMMARY_NAME = "summary.json"
@@ -158,9 +159,9 @@ def _sections(measured: MeasuredExperiment, elements: Sequence[Element]) -> list
     given_up = sum(not result.metrics.finished for result in results)
     fewer = any(len(each) < measured.seeds for each in measured.figures.values())
     said = (
-        f"{len(measured.cases)} cases with the seeds 0 to {measured.seeds - 1}{' at most' if fewer else ''}: "
-        f"{len(results)} runs, "
-        f"{given_up} of them given up before the end of the path."
+        f"{counted(len(measured.cases), 'case')} with the seeds 0 to {measured.seeds - 1}"
+        f"{' at most' if fewer else ''}: {counted(len(results), 'run')}, {given_up} of them given up before the end "
+        "of the path."
     )
     return [said, *_left_out(measured), *(element.markdown() for element in elements), *_judgement(measured)]
 

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import NoReturn, TypeVar
 
 from drawbar.errors import ConfigurationError
-from drawbar.experiment.experiment import FIGURE, Expectation, Experiment, named_figures
+from drawbar.experiment.declaration import Expectation
+from drawbar.experiment.experiment import FIGURE, Experiment, named_figures
 from drawbar.experiment.measure import Runs
 from drawbar.experiment.statistics import Statistic
 from drawbar.misspelt import meant

@@ -18,7 +18,7 @@ from drawbar.benchmark.figures import on_one_core
 from drawbar.config import Configuration
 from drawbar.control.external import written_source
 from drawbar.experiment.alteration import Alteration
-from drawbar.experiment.deviation import RecordedDeviation
+from drawbar.experiment.deviation import DEVIATION, RecordedDeviation
 from drawbar.geometry import Floats
 from drawbar.recording.log import RunLog
 from drawbar.report.metrics import Metrics, compute_metrics
@@ -33,7 +33,6 @@ _BESIDE_THE_RUN = ("benchmark", "experiment", "cli")
 _OF_THE_RUN = ("task.py", "deviation.py", "alteration.py", "trial.py")
 _BESIDE_THE_SOLVERS = ("name", "path", "start", "machine", "bounded_errors", "tuning")
 """sections of a configuration that no solver depends on"""
-_DEVIATION = "deviation."
 _WATCH = "watch."
 
 
@@ -186,7 +185,7 @@ def _simulate(task: Task) -> tuple[RunLog, RecordedDeviation | None]:
     with Simulation(configuration, task.seed) as simulation:
         for alteration in task.alterations:
             alteration.apply(simulation)
-        if not any(name.startswith(_DEVIATION) for name in task.columns):
+        if not any(name.startswith(DEVIATION) for name in task.columns):
             return simulation.log(), None
         deviations = RecordedDeviation(simulation.autopilot, configuration)
         log = simulation.log(deviations.keep)
@@ -194,8 +193,8 @@ def _simulate(task: Task) -> tuple[RunLog, RecordedDeviation | None]:
 
 
 def _column(log: RunLog, errors: Bodies[PathErrors], deviations: RecordedDeviation | None, name: str) -> Floats:
-    if deviations and name.startswith(_DEVIATION):
-        return deviations.column(name.removeprefix(_DEVIATION))
+    if deviations and name.startswith(DEVIATION):
+        return deviations.column(name.removeprefix(DEVIATION))
     quantity, _, body = name.partition(".")
     if quantity in ("error", "progress"):
         values: Floats = getattr(getattr(errors, body), quantity)

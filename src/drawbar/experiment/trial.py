@@ -14,7 +14,6 @@ from drawbar.driving.stand_in.simulated_links import LinkFault
 from drawbar.geometry import Floats, wrap
 from drawbar.guidance.path import Path
 from drawbar.machine.stand_in.faults import FAULTS
-from drawbar.machine.stand_in.machine import BODIES
 from drawbar.messages import SupervisorState
 from drawbar.protocols.agopengps.frame import Frame, parse
 from drawbar.protocols.agopengps.steering import decode_steer
@@ -24,6 +23,7 @@ from drawbar.safety.envelope import Bounds, Envelope
 from drawbar.safety.settings import SafetySettings
 from drawbar.signals import Pose, StepRecord
 from drawbar.simulation import build_path
+from drawbar.vehicle.parameters import BODIES
 
 LONGEST = 150.0
 """time in which the fault's place must be reached, s"""

@@ -4,8 +4,8 @@ import hashlib
 import json
 import re
 import shutil
-from collections.abc import Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import astuple
 from pathlib import Path
 from typing import Any
@@ -66,14 +66,25 @@ def export_library(
         "example/path.csv": path_table(simulation.path),
         "example/measurements.csv": measurement_table(record(simulation)),
     }
+    with _replaced_once_whole(folder) as unfinished:
+        _write(unfinished, files)
+        builds = [build_target(target, unfinished) for target in targets]
+        _write_manifest(unfinished, manifest(configuration, precision, components, memory, builds))
+
+
+@contextmanager
+def _replaced_once_whole(folder: Path) -> Iterator[Path]:
+    """Give a folder in which an export grows, and put it in the place of an earlier one; nothing stays where it fails.
+
+    Raises:
+        DrawbarError: the folder cannot be written.
+    """
     new = [each for each in (folder, *folder.parents) if not each.exists()]
     unfinished = folder / _UNFINISHED
     with termination_as_exit():
         try:
             shutil.rmtree(unfinished, ignore_errors=True)
-            _write(unfinished, files)
-            builds = [build_target(target, unfinished) for target in targets]
-            _write_manifest(unfinished, manifest(configuration, precision, components, memory, builds))
+            yield unfinished
             _replace(folder, unfinished)
         except OSError as error:
             raise DrawbarError(

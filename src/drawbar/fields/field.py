@@ -95,10 +95,10 @@ def make_field(
         unique = plain if plain not in taken else next(n for i in count(2) if (n := f"{plain} ({i})") not in taken)
         taken.add(unique)
         points = _on_earth(f"{source}: line '{unique}'", degrees)
-        if (different := len(np.unique(points, axis=0))) >= _FEWEST_OF_LINE:
+        if len(np.unique(points, axis=0)) >= _FEWEST_OF_LINE:
             found.append(FieldLine(name=unique, points=points))
         else:
-            besides.append(f"line '{unique}' of {different} point(s)")
+            besides.append(f"line '{unique}' of fewer than {_FEWEST_OF_LINE} different points")
     ring = _ring(f"{source}: the boundary", boundary) if boundary is not None else None
     return Field(name=plain_name(name) or "field", lines=tuple(found), boundary=ring, left_out=tuple(besides))
 
@@ -111,8 +111,8 @@ def plain_name(name: str) -> str:
 
 def _ring(place: str, degrees: Degrees) -> Floats:
     ring = _on_earth(place, degrees)
-    if (different := len(np.unique(ring, axis=0))) < _FEWEST_OF_RING:
-        raise PathError(f"{place} has {different} different point(s); it needs at least {_FEWEST_OF_RING}")
+    if len(np.unique(ring, axis=0)) < _FEWEST_OF_RING:
+        raise PathError(f"{place} has fewer than {_FEWEST_OF_RING} different points; draw it again")
     return ring[:-1] if len(ring) > 3 and (ring[0] == ring[-1]).all() else ring
 
 

@@ -10,7 +10,7 @@ from drawbar.guidance.path import Path
 from drawbar.vehicle.off_tracking import steady_off_tracking
 from drawbar.vehicle.parameters import VehicleParameters
 
-_STEP = 0.05
+STEP = 0.05
 """m between the places where a path is looked at"""
 _EXACT = 1e-3
 """m; of a shift"""
@@ -80,7 +80,7 @@ def largest_off_tracking(path: Path, vehicle: VehicleParameters) -> tuple[float,
     curve counts by its mean curvature over the trailer's length, within which the trailer follows.
     """
     curvature = _curvature(path)
-    window = min(len(curvature), max(1, round((vehicle.trailer_length + vehicle.drawbar_length) / _STEP)))
+    window = min(len(curvature), max(1, round((vehicle.trailer_length + vehicle.drawbar_length) / STEP)))
     sums = np.concatenate([[0.0], np.cumsum(curvature)])
     means = (sums[window:] - sums[:-window]) / window
     tightest = np.array([means.max(), means.min()])[:: 1 if means.max() >= -means.min() else -1]  # to either side
@@ -100,11 +100,11 @@ def _wheels(curvature: Floats, vehicle: VehicleParameters) -> Floats:
 
 def _reach(shift: float, curvature: float) -> float:
     """Return the length over which a wheel angle may be reached so that an arc is shifted by no more, m."""
-    return max(math.sqrt(24.0 * shift / curvature), _STEP)
+    return max(math.sqrt(24.0 * shift / curvature), STEP)
 
 
 def _needed_rate(wheels: Floats, reach: float, speed: float) -> float:
-    return _largest_change(wheels, round(reach / _STEP)) * speed / reach
+    return _largest_change(wheels, round(reach / STEP)) * speed / reach
 
 
 def _axle_curvature(curvature: Floats, forward: float, left: float) -> Floats:
@@ -117,7 +117,7 @@ def _axle_curvature(curvature: Floats, forward: float, left: float) -> Floats:
 
 def _curvature(path: Path) -> Floats:
     """Return a path's curvature (n,) in equal steps, 1/m."""
-    count = math.ceil(path.length / _STEP)
+    count = math.ceil(path.length / STEP)
     return path.sample((np.arange(count, dtype=np.float64) + 0.5) * (path.length / count))[:, 3]
 
 

@@ -13,6 +13,8 @@ Crab = Annotated[Angle, Field(gt=-0.5, lt=0.5)]
 """A side-slip or offset angle, rad; at half a radian a kinematic vehicle model has long lost its meaning."""
 SlipFactor = Annotated[float, Field(gt=0.0, le=1.0)]
 Antenna = Literal["tractor", "trailer", "both"]
+COLUMNS: dict[Antenna, slice] = {"tractor": slice(0, 2), "trailer": slice(2, 4), "both": slice(0, 4)}
+"""of each, in an array of tractor x, y, trailer x, y"""
 
 _ROUNDING = 1e-9
 """Forgives the rounding of times, so that an event at k times the sample period starts with sample k, s."""

@@ -5,10 +5,9 @@ import math
 import numpy as np
 
 from drawbar.geometry import Floats
-from drawbar.machine.events import Event, GpsFloat, active
+from drawbar.machine.events import COLUMNS, Event, GpsFloat, active
 
 _NONE = [math.nan] * 4
-_COLUMNS = {"tractor": slice(0, 2), "trailer": slice(2, 4), "both": slice(0, 4)}
 
 
 class Floating:
@@ -30,7 +29,7 @@ class Floating:
         errors, deviations = np.full(4, np.nan), np.full(4, np.nan)
         for index, event in enumerate(self._events):
             if active(np.array([time]), event.start, event.duration)[0]:
-                columns = _COLUMNS[event.antenna]
+                columns = COLUMNS[event.antenna]
                 errors[columns] = event.deviation * self._next(index, event.correlation)[columns]
                 if event.honest:
                     deviations[columns] = event.deviation

@@ -4,11 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drawbar.geometry import Floats
-from drawbar.machine.events import Event, GpsJump, GpsLoss, active
+from drawbar.machine.events import COLUMNS, Event, GpsJump, GpsLoss, active
 from drawbar.machine.random_processes import OrnsteinUhlenbeck
 from drawbar.machine.sensor_settings import SensorSettings
-
-_COLUMNS = {"tractor": slice(0, 2), "trailer": slice(2, 4), "both": slice(0, 4)}
 
 
 class SensorErrors:
@@ -45,11 +43,11 @@ class SensorErrors:
         errors[:, :4] += self._drift.sample(len(times))
         held = np.zeros((len(times), 4), dtype=np.bool_)
         for jump in self._jumps:
-            rows, columns = active(times, jump.start, jump.duration), _COLUMNS[jump.antenna]
+            rows, columns = active(times, jump.start, jump.duration), COLUMNS[jump.antenna]
             shift = np.tile((jump.east, jump.north), 2)
             errors[rows, columns] += shift[columns]
         for loss in self._losses:
-            rows, columns = active(times, loss.start, loss.duration), _COLUMNS[loss.antenna]
+            rows, columns = active(times, loss.start, loss.duration), COLUMNS[loss.antenna]
             if loss.report == "masked":
                 errors[rows, columns] = np.nan
             else:

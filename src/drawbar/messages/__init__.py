@@ -8,11 +8,12 @@ from drawbar.messages.controller import CommandMessage, ControllerState, Mode
 from drawbar.messages.fixes import Fixes, ReceiverReport
 from drawbar.messages.gate import GateState, SupervisorState
 from drawbar.messages.heartbeat import Heartbeat, Role
-from drawbar.messages.kinds import KINDS, Kind
+from drawbar.messages.kinds import KIND_OF, KINDS, Kind
 from drawbar.messages.operator import Action, OperatorMessage
 
 __all__ = [
     "KINDS",
+    "KIND_OF",
     "Action",
     "CommandMessage",
     "ControllerState",

@@ -29,3 +29,4 @@ KINDS: dict[Kind, type[Message]] = {
     Kind.HEARTBEAT: Heartbeat,
     Kind.FIXES: Fixes,
 }
+KIND_OF = {cls: kind for kind, cls in KINDS.items()}

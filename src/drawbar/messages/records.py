@@ -18,7 +18,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 
 from drawbar.messages.base import Message
 from drawbar.messages.fields import Cell
-from drawbar.messages.kinds import KINDS, Kind
+from drawbar.messages.kinds import KIND_OF, KINDS, Kind
 
 MARK = 0x4244
 """first two bytes of every record: "DB" """
@@ -37,7 +37,6 @@ class Flaw(Enum):
     NOT_FINITE = "one of its numbers is infinite, or is missing where it must not be"
 
 
-_KIND_OF = {cls: kind for kind, cls in KINDS.items()}
 _HEADER, _CHECKSUM = struct.Struct("<HBB"), struct.Struct("<I")
 
 
@@ -92,7 +91,7 @@ def encode(message: Message) -> bytes:
     Raises:
         struct.error: a number is beyond the range of its field.
     """
-    kind = _KIND_OF[type(message)]
+    kind = KIND_OF[type(message)]
     place = LAYOUTS[kind]
     values: list[Any] = []
     for name, cell, _ in place.cells:
@@ -109,7 +108,7 @@ def decode(data: bytes, *expected: type[Message]) -> Message | Flaw:
     mark, version, kind = _HEADER.unpack_from(data)
     if (mark, version) != (MARK, VERSION):
         return Flaw.MARK
-    message = next((cls for cls in expected if _KIND_OF[cls] == kind), None)
+    message = next((cls for cls in expected if KIND_OF[cls] == kind), None)
     if message is None:
         return Flaw.KIND
     place = LAYOUTS[Kind(kind)]

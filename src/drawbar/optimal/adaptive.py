@@ -5,7 +5,8 @@ from typing import Any
 
 import casadi as ca
 
-from drawbar.codegen.emit import Input, Output, emit
+from drawbar.codegen.emit import Output, emit
+from drawbar.codegen.statements import Input
 from drawbar.optimal.frame import ADAPTIVE, CARRIED, WORK
 from drawbar.vehicle.integrators import FIRST_SHARE, Attempt
 

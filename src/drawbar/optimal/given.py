@@ -1,4 +1,4 @@
-"""Numbers and arrays that a caller gives, checked: their kind, their count, and no more than can be computed with."""
+"""Given problems, numbers and arrays, checked: their kind, their count, and no more than can be computed with."""
 
 from collections.abc import Sequence
 from numbers import Real
@@ -18,6 +18,13 @@ def check_numbers(what: str, **given: Any) -> None:
     """Raise SolverError for what is no number."""
     if wrong := [f"{name} = {value!r}" for name, value in given.items() if not isinstance(value, Real)]:
         raise SolverError(f"{what}: numbers are allowed, got {', '.join(wrong)}; give numbers.")
+
+
+def check_kind(problem: object, kind: type) -> None:
+    """Refuse what is no problem of this kind."""
+    if not isinstance(problem, kind):
+        other = type(problem).__name__
+        raise SolverError(f"A problem must be of type {kind.__name__} for this solver, got {other}; give such a one.")
 
 
 def given_array(what: str, values: Any, shape: Sequence[int], names: str = "") -> Floats:

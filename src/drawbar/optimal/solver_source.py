@@ -2,7 +2,8 @@
 
 import casadi as ca
 
-from drawbar.codegen.emit import Input, Output, emit, emit_constants
+from drawbar.codegen.emit import Output, emit, emit_constants
+from drawbar.codegen.statements import Input
 from drawbar.optimal.adaptive import way_of
 from drawbar.optimal.frame import (
     BARE,

@@ -37,3 +37,10 @@ class StageBounds(dict[str, Floats]):
     def update(self, *_: object, **__: object) -> None:
         """Raise SolverError: arrays are not replaced."""
         raise SolverError("Write into the solver's own memory, one bound after the other: [name][...] = ...")
+
+
+def read_only(array: Floats) -> Floats:
+    """Return a view that cannot be written to."""
+    view = array.view()
+    view.flags.writeable = False
+    return view

@@ -70,7 +70,7 @@ class Potentiometer:
         """Refuse what is no table."""
         if len(self.counts) != len(self.angles) or len(self.counts) not in TABLE_POINTS:
             raise ConfigurationError(
-                f"a potentiometer's table has {len(self.counts)} counts and {len(self.angles)} angles; give as many of "
+                f"a potentiometer's table has counts: {len(self.counts)}, angles: {len(self.angles)}; give as many of "
                 f"both, from {TABLE_POINTS[0]} to {TABLE_POINTS[-1]}, from lock to lock."
             )
         if not all(map(math.isfinite, (*self.counts, *self.angles))) or not self.deviation >= 0.0:

@@ -44,7 +44,7 @@ _HEADED = CHUNK_HEAD.size + _COMPRESSED.size - FRAME.size
 _MESSAGE = struct.Struct("<BQHIQQ")
 _AROUND = _MESSAGE.size - FRAME.size
 """bytes of a message's content beside its data"""
-_MESSAGE_CODE = int(Opcode.MESSAGE)  # looking up a member of the enumeration is slow, and messages are many
+MESSAGE_CODE = int(Opcode.MESSAGE)  # looking up a member of the enumeration is slow, and messages are many
 
 
 def compressor_of(level: int) -> zstandard.ZstdCompressor:
@@ -78,7 +78,7 @@ class Chunk:
         pieces, places, size = list[bytes](), self._messages.setdefault(channel, []), self.size
         for data, sequence, log_time, publish_time in messages:
             length = _AROUND + len(before) + len(data)
-            pieces += _MESSAGE.pack(_MESSAGE_CODE, length, channel, sequence, log_time, publish_time), before, data
+            pieces += _MESSAGE.pack(MESSAGE_CODE, length, channel, sequence, log_time, publish_time), before, data
             places += log_time, size
             size += FRAME.size + length
             if size >= CHUNK_BYTES:

@@ -18,36 +18,36 @@ from drawbar.recording.encoding import is_json
 from drawbar.recording.log import Columns, Outcome, RunHeader, open_log, read_log
 from drawbar.recording.stream import LoggedMessage
 from drawbar.step.layout import StepLayout
+from drawbar.vehicle.parameters import BODIES
 
 _BLOCK = 1000
 """steps that are read together"""
 _SLIPS = ("longitudinal_slip", "tractor_slip", "steering_offset", "tractor_crab", "trailer_crab")
 _STEERINGS = ("tractor_steering", "trailer_steering")
-_BODIES = ("tractor", "trailer")
 _REPORTED: tuple[str, ...] = (
     *(f"measurement.{name}" for name in ("time", "speed", "hitch_angle")),
-    *(f"measurement.{body}_{name}" for body in _BODIES for name in ("x", "y", "roll", "pitch", "fix_age")),
+    *(f"measurement.{body}_{name}" for body in BODIES for name in ("x", "y", "roll", "pitch", "fix_age")),
     "measurement.tractor_yaw",
-    *(f"actuation.{body}_roll_{name}" for body in _BODIES for name in ("offset", "deviation")),
+    *(f"actuation.{body}_roll_{name}" for body in BODIES for name in ("offset", "deviation")),
     "actuation.fix_latency",
-    *(f"estimate.{body}.{name}" for body in _BODIES for name in ("x", "y", "yaw")),
+    *(f"estimate.{body}.{name}" for body in BODIES for name in ("x", "y", "yaw")),
     *(f"estimate.{name}" for name in ("speed", "hitch_angle", "trailer_slip", *_SLIPS)),
-    *(f"estimate.{body}_fix" for body in _BODIES),
-    *(f"reference.{body}.{name}" for body in _BODIES for name in ("progress", "lateral_error")),
-    *(f"reference.{body}.closest.{place}" for body in _BODIES for place in range(3)),
-    *(f"reference.{body}.line_{axis}" for body in _BODIES for axis in "xy"),
-    *(f"{body}_steering.{name}" for body in _BODIES for name in ("command", "ancillary", "saturated", "margin")),
+    *(f"estimate.{body}_fix" for body in BODIES),
+    *(f"reference.{body}.{name}" for body in BODIES for name in ("progress", "lateral_error")),
+    *(f"reference.{body}.closest.{place}" for body in BODIES for place in range(3)),
+    *(f"reference.{body}.line_{axis}" for body in BODIES for axis in "xy"),
+    *(f"{body}_steering.{name}" for body in BODIES for name in ("command", "ancillary", "saturated", "margin")),
     "command.speed",
-    *(f"{each}_times.{phase}" for each in ("estimator", *_BODIES) for phase in ("prepare", "feedback")),
+    *(f"{each}_times.{phase}" for each in ("estimator", *BODIES) for phase in ("prepare", "feedback")),
     "solver_failures",
     "gate",
     "status",
     "flags",
 )
 _REPORTED_OF_TRUTH: tuple[str, ...] = (
-    *(f"truth.{body}.{name}" for body in _BODIES for name in ("x", "y", "yaw")),
+    *(f"truth.{body}.{name}" for body in BODIES for name in ("x", "y", "yaw")),
     *(f"truth.{name}" for name in (*_SLIPS, *_STEERINGS)),
-    *(f"truth.{body}_{angle}" for body in _BODIES for angle in ("roll", "pitch")),
+    *(f"truth.{body}_{angle}" for body in BODIES for angle in ("roll", "pitch")),
 )
 _REPORTED_WITHOUT_TRUTH: tuple[str, ...] = (
     *(f"{source}.{name}" for source in ("measurement", "estimate") for name in _STEERINGS),

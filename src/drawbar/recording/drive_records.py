@@ -17,7 +17,7 @@ from drawbar.recording.frames import Damage
 from drawbar.recording.log import OUTCOME_NAME, STEP_TOPIC, Outcome, outcome_of, reading
 from drawbar.recording.stream import Logged, LoggedMessage
 from drawbar.signals import StepRecord
-from drawbar.transports.tapped import Direction
+from drawbar.transports.tapped import DIRECTIONS, Direction
 
 CLOCK = "clock"
 """metadata: `offset`, the computer's clock minus the monotonic one, ns"""
@@ -32,7 +32,6 @@ TOPICS: dict[type[Message], str] = {
 _KINDS = {topic: kind for kind, topic in TOPICS.items()}
 _ORDER = struct.Struct("<BIQ")
 _RAW = struct.Struct("<QBBBI")
-_DIRECTIONS = tuple(Direction)
 
 
 class Kind(IntEnum):
@@ -93,7 +92,7 @@ def pack_raw(pieces: Iterable[RawBytes]) -> bytes:
     packed = []
     for raw in pieces:
         texts = raw.device.encode(), raw.source.encode(), raw.data
-        packed += [_RAW.pack(raw.time, _DIRECTIONS.index(raw.direction), *map(len, texts)), *texts]
+        packed += [_RAW.pack(raw.time, DIRECTIONS.index(raw.direction), *map(len, texts)), *texts]
     return b"".join(packed)
 
 
@@ -105,7 +104,7 @@ def unpack_raw(data: bytes) -> Iterator[RawBytes]:
         at += _RAW.size
         texts = [data[at : (at := at + length)] for length in lengths]
         device, source, content = texts[0].decode(), texts[1].decode(), texts[2]
-        yield RawBytes(device=device, time=time, direction=_DIRECTIONS[direction], source=source, data=content)
+        yield RawBytes(device=device, time=time, direction=DIRECTIONS[direction], source=source, data=content)
 
 
 def pack_order(order: Order) -> bytes:

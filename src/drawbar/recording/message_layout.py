@@ -11,13 +11,12 @@ from struct import Struct
 from typing import Any, get_args, get_type_hints
 
 from drawbar.declared_words import declared_words
-from drawbar.messages import KINDS, Kind, Message
+from drawbar.messages import KIND_OF, Kind, Message
 from drawbar.messages.fields import Cell
 from drawbar.messages.records import LAYOUTS
 from drawbar.step.layout import HEAD, cells_of, sections
 
 _TYPES = {"B": "uint8", "H": "uint16", "I": "uint32", "i": "int32", "Q": "uint64", "d": "float64"}
-_KIND_OF = {cls: kind for kind, cls in KINDS.items()}
 
 
 def message_schema(kind: type[Message]) -> str:
@@ -47,7 +46,7 @@ def _declared(cell: Cell) -> str:
 
 def pack_message(message: Message) -> bytes:
     """Return the bytes of a message as its definition says. Raises struct.error: a number is beyond its range."""
-    names, struct = _packing(_KIND_OF[type(message)])
+    names, struct = _packing(KIND_OF[type(message)])
     return HEAD + struct.pack(*_numbers(message, names))
 
 

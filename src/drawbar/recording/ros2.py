@@ -12,17 +12,17 @@ from mcap_ros2.writer import Writer
 
 from drawbar.recording.log import RunLog
 from drawbar.signals import Pose, StepRecord
+from drawbar.step.layout import RULE
 
-_RULE = "=" * 80
 _TIME = "MSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n"
-_HEADER = f"MSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n{_RULE}\n{_TIME}"
+_HEADER = f"MSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n{RULE}\n{_TIME}"
 _POINT = "MSG: geometry_msgs/Point\nfloat64 x\nfloat64 y\nfloat64 z\n"
 _QUATERNION = "MSG: geometry_msgs/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w\n"
-_POSE = f"MSG: geometry_msgs/Pose\nPoint position\nQuaternion orientation\n{_RULE}\n{_POINT}{_RULE}\n{_QUATERNION}"
-_STAMPED = f"std_msgs/Header header\nPose pose\n{_RULE}\n{_HEADER}{_RULE}\n{_POSE}"
+_POSE = f"MSG: geometry_msgs/Pose\nPoint position\nQuaternion orientation\n{RULE}\n{_POINT}{RULE}\n{_QUATERNION}"
+_STAMPED = f"std_msgs/Header header\nPose pose\n{RULE}\n{_HEADER}{RULE}\n{_POSE}"
 _PATH = (
-    f"std_msgs/Header header\ngeometry_msgs/PoseStamped[] poses\n{_RULE}\n{_HEADER}{_RULE}\n"
-    f"MSG: geometry_msgs/PoseStamped\nstd_msgs/Header header\nPose pose\n{_RULE}\n{_POSE}"
+    f"std_msgs/Header header\ngeometry_msgs/PoseStamped[] poses\n{RULE}\n{_HEADER}{RULE}\n"
+    f"MSG: geometry_msgs/PoseStamped\nstd_msgs/Header header\nPose pose\n{RULE}\n{_POSE}"
 )
 _FLOAT = "float64 data\n"
 

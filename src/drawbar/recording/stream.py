@@ -18,11 +18,10 @@ from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Metadata, Schema
 
-from drawbar.recording.chunk import COMPRESSION, FRAME
+from drawbar.recording.chunk import COMPRESSION, FRAME, MESSAGE_CODE
 from drawbar.recording.frames import CHUNK, Damage, DamagedLogError, Frame, frames, summary
 
 _MESSAGE = struct.Struct("<HIQQ")
-_MESSAGE_CODE = int(Opcode.MESSAGE)  # comparing with a member of the enumeration is slow, and messages are many
 _LARGEST = 1 << 32
 """bytes of a chunk's records; more is damage"""
 
@@ -120,7 +119,7 @@ def _of_chunk(frame: Frame, unpacked: "Future[bytes]", channels: _Channels) -> I
         begin, position = position + FRAME.size, position + FRAME.size + length
         if opcode == Opcode.CHUNK:  # the same once more, which was about to take its place
             return
-        if opcode == _MESSAGE_CODE and length >= _MESSAGE.size:
+        if opcode == MESSAGE_CODE and length >= _MESSAGE.size:
             if position <= len(data):  # else a crash cut it off
                 yield _message(data, begin, position, channels)
         elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
@@ -132,7 +131,7 @@ def _of_chunk(frame: Frame, unpacked: "Future[bytes]", channels: _Channels) -> I
 
 def _of_record(frame: Frame, channels: _Channels) -> Iterator[Logged]:
     opcode, content = frame.opcode, frame.content
-    if opcode == _MESSAGE_CODE:
+    if opcode == MESSAGE_CODE:
         yield _message(content, 0, len(content), channels)
     elif opcode == Opcode.CHANNEL:
         channels.add(Channel.read(_stream(content)))

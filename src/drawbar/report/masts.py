@@ -6,7 +6,7 @@ import numpy as np
 
 from drawbar.geometry import Floats
 from drawbar.recording.log import Columns
-from drawbar.vehicle.parameters import VehicleParameters
+from drawbar.vehicle.parameters import BODIES, VehicleParameters
 
 SOFT = 0.36
 """Side-slip per angle of a slope on soft soil, which the estimated side-slips are taken for; on firm soil the slope is
@@ -67,7 +67,7 @@ def _shown(vehicle: VehicleParameters) -> float:
 
 def _side_slip(log: Columns) -> float:
     """Return the root mean square of the side-slips, rad: of what is the same in the world, if that shows."""
-    bodies = [_seen(log, body) for body in _BODIES]
+    bodies = [_seen(log, body) for body in BODIES]
     yaw, crab = np.concatenate([yaw for yaw, _ in bodies]), np.concatenate([crab for _, crab in bodies])
     if not crab.size:
         return math.nan
@@ -76,9 +76,6 @@ def _side_slip(log: Columns) -> float:
         return float(np.sqrt(np.mean(crab**2)))
     east, north, _ = np.linalg.lstsq(rows, crab, rcond=None)[0]
     return math.hypot(east, north) / math.sqrt(2.0)
-
-
-_BODIES = ("tractor", "trailer")
 
 
 def _seen(log: Columns, body: str) -> tuple[Floats, Floats]:

@@ -24,6 +24,7 @@ from drawbar.report.tables import (
     TIME_COLUMNS,
     Row,
     body_rows,
+    counted,
     error_name,
     error_rows,
     key_figures,
@@ -127,7 +128,7 @@ def render_page(
         if events or (log.steps and metrics.error_estimated)
         else "run",
         title=escape(f"{log.header.path_name}, {metrics.config}"),
-        facts=escape(f"{started} · configuration {origin(metrics, ' · ')} · {log.steps} steps"),
+        facts=escape(f"{started} · configuration {origin(metrics, ' · ')} · {counted(log.steps, 'step')}"),
         note=escape(log.header.path_note),
         state="" if metrics.finished else "stopped",
         outcome=escape("; ".join([f"{ending}: {metrics.outcome}", *metrics.losses])),

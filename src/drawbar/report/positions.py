@@ -10,13 +10,13 @@ import math
 
 import numpy as np
 
-from drawbar.geometry import Floats
+from drawbar.geometry import GRAVITY, Floats
 from drawbar.recording.log import Columns
 from drawbar.report.columns import engaged
 from drawbar.report.path_errors import Bodies
 from drawbar.signals import FixStatus
+from drawbar.vehicle.parameters import BODIES
 
-BODIES = ("tractor", "trailer")
 _SPAN = 2.0
 """over which residuals are averaged, s"""
 _RESIDUAL = 0.02
@@ -31,7 +31,6 @@ _CONDITION = 1e9
 """of the normal equations, beyond which nothing is told apart"""
 _MOVES = 0.1
 """speed from which on a vehicle shows its side-slip, m/s"""
-_GRAVITY = 9.81
 
 
 def lasting_residual(log: Columns, body: str) -> float:
@@ -129,7 +128,7 @@ def _common_slip(log: Columns) -> float:
     rows, slips = [], []
     for body in BODIES:
         yaw = np.unwrap(log.column(f"estimate.{body}.yaw")[known])
-        turns = log.column("estimate.speed")[known] * np.gradient(yaw, log.column("measurement.time")[known]) / _GRAVITY
+        turns = log.column("estimate.speed")[known] * np.gradient(yaw, log.column("measurement.time")[known]) / GRAVITY
         rows.append(np.column_stack([np.ones_like(yaw), -np.sin(yaw), np.cos(yaw), -turns]))
         slips.append(log.column(f"estimate.{body}_crab")[known])
     regressors = np.concatenate(rows)

@@ -7,6 +7,7 @@ from drawbar.report.metrics import ALL, Metrics, PhaseTimes
 from drawbar.report.path_errors import Bodies
 from drawbar.report.shadow import ShadowMetrics
 from drawbar.safety.causes import Cause
+from drawbar.vehicle.parameters import STEERINGS
 
 ERROR_COLUMNS = ("mean", "rms", "sd", "95 %", "max")
 _STATISTICS = ("mean", "rms", "deviation", "p95", "max")
@@ -15,12 +16,16 @@ TIME_COLUMNS = ("median", "p99", "max")
 Row = tuple[str, list[str]]
 """a title and its cells"""
 _UNKNOWN = "–"
-_STEERINGS = {"tractor": "front wheels", "trailer": "joint"}
 
 
 def number(value: float, digits: int = 1, unit: str = "") -> str:
     """Return the value with a fixed number of digits and its unit; NaN is a dash, zero has no sign."""
     return _UNKNOWN if math.isnan(value) else f"{value:z.{digits}f}{unit}"
+
+
+def counted(count: int, name: str) -> str:
+    """Return a count with the name of what is counted, which has its plural with an s: `1 step`, `2 steps`."""
+    return f"{count} {name}" if count == 1 else f"{count} {name}s"
 
 
 def _known(rows: list[Row]) -> list[Row]:
@@ -121,7 +126,7 @@ def shadow_texts(shadow: ShadowMetrics) -> list[str]:
     """Return sentences about when a drive could have been engaged, and how its figures are to be read."""
     if not shadow.judged_s > 0.0:
         return ["it is not known whether anything stood against engaging: the controller never reported"]
-    estimated = [name for body, name in _STEERINGS.items() if not getattr(shadow.angle_measured, body)]
+    estimated = [name for body, name in STEERINGS.items() if not getattr(shadow.angle_measured, body)]
     told = [
         f"nothing stood against engaging for {number(100.0 * shadow.engageable_share, 0, ' %')} of "
         f"{number(shadow.judged_s, 0, ' s')}; actuators, wiggle test and emergency stop are not judged",
@@ -159,10 +164,10 @@ def _key_errors(metrics: Metrics) -> list[tuple[str, str]]:
 
 def _key_differences(shadow: ShadowMetrics) -> list[tuple[str, str]]:
     """Return when it could have been engaged, and the mean difference of each steering."""
-    means = {body: getattr(shadow.difference_rad, body).mean for body in _STEERINGS}
+    means = {body: getattr(shadow.difference_rad, body).mean for body in STEERINGS}
     return [
         ("nothing against engaging", number(100.0 * shadow.engageable_share, 0, " %")),
-        *((f"mean difference, {_STEERINGS[body]}", number(math.degrees(mean), 1, "°")) for body, mean in means.items()),
+        *((f"mean difference, {STEERINGS[body]}", number(math.degrees(mean), 1, "°")) for body, mean in means.items()),
     ]
 
 

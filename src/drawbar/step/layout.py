@@ -27,7 +27,7 @@ _DEVIATIONS = 4
 _CODES = {"float64": "d", "float32": "f", "int32": "i", "uint8": "B", "uint16": "H", "uint32": "I", "uint64": "Q"}
 HEAD = b"\0\1\0\0"
 """of each message, before the step's own bytes: it is CDR, and the smallest byte of a number comes first"""
-_RULE = "=" * 80
+RULE = "=" * 80
 _PACKAGE = "drawbar/"
 
 
@@ -53,7 +53,7 @@ def step_schema(stages: int) -> str:
 def sections(texts: dict[Any, str]) -> str:
     """Return a message's definition, the last of these by class, with those that it consists of behind it."""
     first, *others = reversed(texts.items())
-    return "".join([first[1], *(f"{_RULE}\nMSG: {_PACKAGE}{kind.__name__}\n{text}" for kind, text in others)])
+    return "".join([first[1], *(f"{RULE}\nMSG: {_PACKAGE}{kind.__name__}\n{text}" for kind, text in others)])
 
 
 def _describe(kind: Any, stages: int, texts: dict[Any, str]) -> None:
@@ -89,7 +89,7 @@ def _array(array: Array, stages: int) -> str:
 def cells_of(schema: str) -> dict[str, Cell]:
     """Return where a definition puts each number, by dotted names. Raises ValueError: it is none."""
     definitions = {}
-    for section in f"MSG: \n{schema}".split(f"{_RULE}\n"):
+    for section in f"MSG: \n{schema}".split(f"{RULE}\n"):
         name, *lines = section.splitlines()
         members = [line.split("#")[0].split() for line in lines]
         definitions[name.removeprefix("MSG: ").removeprefix(_PACKAGE)] = [pair for pair in members if pair]

@@ -19,6 +19,10 @@ class Direction(Enum):
     """given to `write`, which did not take all of it"""
 
 
+DIRECTIONS = tuple(Direction)
+"""by the number that stands for each in a message or a log"""
+
+
 class TappedTransport(Transport):
     """A transport that hands a copy of everything to a callback, which must not wait.
 

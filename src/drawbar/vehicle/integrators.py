@@ -6,7 +6,7 @@ from typing import Any, Self
 
 import casadi as ca
 
-from drawbar.vehicle.model import Model, runge_kutta
+from drawbar.vehicle.model import Model
 
 FIRST_SHARE = 0.25
 """of an interval, tried first by an adaptive integrator: the estimate of a step over all of it may be nil by chance"""
@@ -68,11 +68,43 @@ def discretise(model: Model, interval: Any, steps: int, integrator: Integrator) 
     return method(model, interval, steps)
 
 
-def rosenbrock(model: Model, interval: Any, steps: int = 1) -> Any:
-    """Do the same by Rodas3 (Sandu et al. 1997, "Benchmarking stiff ODE solvers II", section 2.2), L-stable, order 3.
+def integrate(model: Model, sample_time: float, steps: int = 1) -> Any:
+    """Return x after one sample by the classical Runge-Kutta method of order 4, as an SX expression of x, u, p.
 
-    Four linear systems with one matrix, I - h/2 df/dx, take the place of an iteration, so that a step is an expression
-    with derivatives of its own. Its size grows with the cube of the number of states.
+    Args:
+        model: the model; its constants become numbers.
+        sample_time: s, during which u and p are constant.
+        steps: Runge-Kutta steps within the sample.
+    """
+    return runge_kutta(model.numeric(), sample_time, steps)
+
+
+def runge_kutta(model: Model, sample_time: Any, steps: int = 1) -> Any:
+    """Return x after one sample by the classical Runge-Kutta method of order 4, as an SX expression of x, u, p, c.
+
+    Args:
+        model: the model; its constants stay symbols, c.
+        sample_time: s, a number or a symbol; u and p are constant during it.
+        steps: Runge-Kutta steps within the sample.
+    """
+    f = ca.Function("f", [model.x, model.u, model.p, model.c], [model.derivative])
+    h = sample_time / steps
+    x = model.x
+    for _ in range(steps):
+        k1 = f(x, model.u, model.p, model.c)
+        k2 = f(x + h / 2 * k1, model.u, model.p, model.c)
+        k3 = f(x + h / 2 * k2, model.u, model.p, model.c)
+        k4 = f(x + h * k3, model.u, model.p, model.c)
+        x = x + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+    return x
+
+
+def rosenbrock(model: Model, interval: Any, steps: int = 1) -> Any:
+    """Return x after one interval by Rodas3 (Sandu et al. 1997, "Benchmarking stiff ODE solvers II", section 2.2).
+
+    The method is L-stable and of order 3. Four linear systems with one matrix, I - h/2 df/dx, take the place of an
+    iteration, so that a step is an expression with derivatives of its own. Its size grows with the cube of the number
+    of states. Arguments and result: see discretise.
     """
     step, x = _rodas3(model), model.x
     for _ in range(steps):

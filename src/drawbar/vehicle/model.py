@@ -220,28 +220,3 @@ def declare(
         output=output,
         constants=tuple(each for each in constants if each.symbol.element_hash() in used),
     )
-
-
-def integrate(model: Model, sample_time: float, steps: int = 1) -> Any:
-    """Return x after one sample by the classical Runge-Kutta method of order 4, as an SX expression of x, u, p.
-
-    Args:
-        model: the model.
-        sample_time: s, during which u and p are constant.
-        steps: Runge-Kutta steps within the sample.
-    """
-    return runge_kutta(model.numeric(), sample_time, steps)
-
-
-def runge_kutta(model: Model, sample_time: Any, steps: int = 1) -> Any:
-    """Do the same with the constants as symbols, and with a symbol as sample time where one is given."""
-    f = ca.Function("f", [model.x, model.u, model.p, model.c], [model.derivative])
-    h = sample_time / steps
-    x = model.x
-    for _ in range(steps):
-        k1 = f(x, model.u, model.p, model.c)
-        k2 = f(x + h / 2 * k1, model.u, model.p, model.c)
-        k3 = f(x + h / 2 * k2, model.u, model.p, model.c)
-        k4 = f(x + h * k3, model.u, model.p, model.c)
-        x = x + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
-    return x

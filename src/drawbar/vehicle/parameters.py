@@ -11,7 +11,10 @@ from drawbar.settings import Length, MastHeight, NonNegativeLength, Offset, Posi
 SteeringAngle = Annotated[PositiveAngle, Field(lt=math.radians(80.0))]
 """A steering angle that still steers: wheels across the direction of motion do not roll."""
 
-
+BODIES = ("tractor", "trailer")
+"""by which names of signals, settings and columns begin or end"""
+STEERINGS = {"tractor": "front wheels", "trailer": "joint"}
+"""what a body is steered by, in an operator's words"""
 _ASKEW = math.radians(30.0)
 MountingAngle = Annotated[float, Field(ge=-_ASKEW, le=_ASKEW, allow_inf_nan=False)]
 """How askew an attitude sensor may be mounted: more is a value in degrees, or a sensor that lies on its side."""

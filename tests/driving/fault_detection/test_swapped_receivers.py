@@ -9,11 +9,11 @@ from fixes import fixes_of
 from drawbar.config import load_configuration
 from drawbar.driving.fault_detection.swapped_receivers import SwappedReceivers
 from drawbar.driving.stand_in.rehearsal import Rehearsal
-from drawbar.machine.stand_in.machine import BODIES
 from drawbar.messages import SupervisorState
 from drawbar.safety.causes import Cause
 from drawbar.signals import FixQuality
 from drawbar.simulation import build_path
+from drawbar.vehicle.parameters import BODIES
 
 AHEAD, BEHIND = (4.0, 1.0), (0.0, 0.0)
 

@@ -13,13 +13,14 @@ from drawbar.driving.stand_in.memory_transports import MemoryTransport
 from drawbar.driving.stand_in.stand_in_machine import stand_in_machine
 from drawbar.machine.stand_in.breaking import measure_otherwise, report_otherwise, send_otherwise
 from drawbar.machine.stand_in.faults import FAULTS
-from drawbar.machine.stand_in.machine import BODIES, SENSORS, StandInMachine
+from drawbar.machine.stand_in.machine import SENSORS, StandInMachine
 from drawbar.machine.stand_in.nmea import sentence
 from drawbar.protocols.actuator import SteeringRequest
 from drawbar.protocols.agopengps.steer_board import SteerBoard
 from drawbar.safety.wires import Wire
 from drawbar.signals import FixQuality
 from drawbar.simulation import build_path
+from drawbar.vehicle.parameters import BODIES
 
 LOOK, SECONDS = 0.02, 3.0
 PAGE = Path(__file__).parents[3] / "docs" / "faults.md"

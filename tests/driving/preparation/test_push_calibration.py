@@ -12,7 +12,7 @@ from drawbar.config import load_configuration
 from drawbar.driving.preparation import push_calibration
 from drawbar.driving.preparation.push_calibration import PUSHES, PushCalibration
 from drawbar.driving.stand_in.demonstration import with_stand_ins
-from drawbar.machine.hardware.valve_calibration import RUNS
+from drawbar.machine.calibration.valve import RUNS
 from drawbar.machine.stand_in.bare_valve import DEAD_BAND, FULL_RATE, LAG
 
 SCALE = 0.9

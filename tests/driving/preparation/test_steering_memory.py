@@ -13,7 +13,7 @@ from drawbar.cli.main import app
 from drawbar.config import load_configuration
 from drawbar.driving.preparation.steering_memory import longest_steering, steering_memory
 from drawbar.driving.stand_in.demonstration import with_stand_ins
-from drawbar.estimation.settings import SteeringMemories
+from drawbar.estimation.actuation_settings import SteeringMemories
 from drawbar.signals import Flag
 from drawbar.simulation import Simulation
 from drawbar.statuses import Status

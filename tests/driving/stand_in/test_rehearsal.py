@@ -16,13 +16,13 @@ from drawbar.geometry import wrap
 from drawbar.machine.hardware.receiver import ReceiverSettings
 from drawbar.machine.stand_in.breaking import moved, report_otherwise
 from drawbar.machine.stand_in.faults import FAULTS
-from drawbar.machine.stand_in.machine import BODIES
 from drawbar.messages import Action, ControllerState, SupervisorState
 from drawbar.messages.records import decode
 from drawbar.protocols.gnss.settings import AntennaSettings
 from drawbar.safety.causes import Cause
 from drawbar.signals import FixQuality, Flag
 from drawbar.simulation import simulate
+from drawbar.vehicle.parameters import BODIES
 
 
 @pytest.fixture(scope="module")

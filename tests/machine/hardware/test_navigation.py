@@ -19,7 +19,7 @@ from drawbar.machine.hardware.receiver import Receiver, ReceiverSettings
 from drawbar.machine.hardware.sampler import Sampler
 from drawbar.machine.hardware.sensor_line import SensorLine
 from drawbar.machine.stand_in.faults import FAULTS
-from drawbar.machine.stand_in.machine import BODIES, StandInMachine
+from drawbar.machine.stand_in.machine import StandInMachine
 from drawbar.machine.stand_in.nmea2000 import nmea2000
 from drawbar.machine.stand_in.receiver import Encoder, Report
 from drawbar.machine.stand_in.world import TICK, World
@@ -28,6 +28,7 @@ from drawbar.messages.records import decode, encode
 from drawbar.protocols.sensor_board import SensorReport
 from drawbar.signals import Command, FixQuality, Measurement, Pose, Truth
 from drawbar.simulation import build_path
+from drawbar.vehicle.parameters import BODIES
 
 FRAME = LocalFrame(latitude=50.87, longitude=4.7)
 LEFT = 0.1

@@ -13,7 +13,8 @@ from drawbar.driving.stand_in.stand_in_machine import stand_in_machine
 from drawbar.errors import ConfigurationError
 from drawbar.geometry import LocalFrame
 from drawbar.machine.hardware.devices import DeviceSettings
-from drawbar.machine.stand_in.faults import FAULTS, FaultPlan, PlannedFault, planned_fault
+from drawbar.machine.stand_in.fault_plan import FaultPlan, PlannedFault, planned_fault
+from drawbar.machine.stand_in.faults import FAULTS
 from drawbar.machine.stand_in.machine import StandInMachine
 from drawbar.protocols.agopengps.steering import SteerCommand
 from drawbar.simulation import build_path

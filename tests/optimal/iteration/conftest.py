@@ -16,7 +16,8 @@ from drawbar.vehicle.articulated import (
     articulated_tractor,
     articulated_trailer,
 )
-from drawbar.vehicle.model import Model, Variable, integrate
+from drawbar.vehicle.integrators import integrate
+from drawbar.vehicle.model import Model, Variable
 from drawbar.vehicle.parameters import VehicleParameters
 from drawbar.vehicle.tricycle import tricycle, tricycle_tractor, tricycle_trailer
 

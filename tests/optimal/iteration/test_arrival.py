@@ -12,7 +12,8 @@ from drawbar.geometry import Floats
 from drawbar.optimal import EstimationProblem, EstimationSolver
 from drawbar.optimal.problem import row
 from drawbar.signals import SolverStatus
-from drawbar.vehicle.model import Model, integrate, symbols, variables
+from drawbar.vehicle.integrators import integrate
+from drawbar.vehicle.model import Model, symbols, variables
 
 SAMPLE, N = 0.2, 5
 NOISE = np.array([0.3, 0.1])

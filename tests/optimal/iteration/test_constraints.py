@@ -14,7 +14,8 @@ from drawbar.errors import SolverError
 from drawbar.geometry import Floats
 from drawbar.optimal import Bound, ControlProblem, ControlSolver, Solution
 from drawbar.signals import SolverStatus
-from drawbar.vehicle.model import Model, declare, integrate, variables
+from drawbar.vehicle.integrators import integrate
+from drawbar.vehicle.model import Model, declare, variables
 
 N, SAMPLE = 12, 0.3
 START, BEFORE = np.array([0.0, 0.2, 0.0, 2.0]), 0.1

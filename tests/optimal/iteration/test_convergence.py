@@ -9,7 +9,7 @@ from drawbar.geometry import Floats
 from drawbar.optimal import EstimationProblem
 from drawbar.optimal.problem import row
 from drawbar.signals import SolverStatus
-from drawbar.vehicle.model import integrate
+from drawbar.vehicle.integrators import integrate
 
 OPTIONS: dict[str, Any] = {
     "print_time": False,

@@ -17,6 +17,9 @@ from drawbar.geometry import Floats
 from drawbar.optimal.quadratic_program import Sizes
 from drawbar.optimal.stage_problem import StageProblem
 
+REPEATS = 5
+"""solutions of one problem, of which the shortest time counts"""
+
 
 class MissingPeerError(DrawbarError):
     """A peer is not on this machine, and why."""

@@ -5,7 +5,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from drawbar.benchmark.peers.base import Peer, casadi_library
+from drawbar.benchmark.peers.base import REPEATS, Peer, casadi_library
 from drawbar.benchmark.peers.call import TimedCall
 from drawbar.geometry import Floats
 from drawbar.optimal.stage_problem import StageProblem
@@ -13,7 +13,6 @@ from drawbar.optimal.stage_problem import StageProblem
 _CURVATURE = 1e-3
 """of the penalty of a violation: DAQP wants a definite cost, and so much changes it by less than a millionth"""
 _UNBOUNDED = 1e30
-_REPEATS = 5
 _LATER = ("room", ctypes.c_double * 64)
 """for fields that newer versions put at the end"""
 
@@ -62,7 +61,7 @@ class Daqp(Peer):
         self._settings.primal_tol = 1e-9
         self._data: dict[str, Any] = {}
         given = (ctypes.byref(each) for each in (self._result, self._problem, self._settings))
-        self._call = TimedCall(self._library.daqp_quadprog, *given, repeats=_REPEATS)
+        self._call = TimedCall(self._library.daqp_quadprog, *given, repeats=REPEATS)
 
     def solve(self, problem: StageProblem) -> tuple[float, Floats]:
         """Return the time from the condensed problem to its solution, s, and z (NZ,)."""

@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from drawbar.benchmark.peers.base import Bounds, Peer, bounds_of, casadi_library
+from drawbar.benchmark.peers.base import REPEATS, Bounds, Peer, bounds_of, casadi_library
 from drawbar.benchmark.peers.call import TimedCall
 from drawbar.codegen.library import aligned
 from drawbar.geometry import Floats
@@ -18,7 +18,6 @@ _BARRIER_HARD, _BARRIER_SOFT = 0.1, 1e4
 """where the barrier begins: the fastest of 0.1, 10, 100 and 1e4 with the right answer, by tries"""
 _TOLERANCE = 1e-8
 _ITERATIONS = 60
-_REPEATS = 5
 
 
 class Hpipm(Peer):
@@ -53,7 +52,7 @@ class Hpipm(Peer):
         self._option("iter_max", ctypes.c_int(_ITERATIONS))
         self._work = self._make("d_ocp_qp_ipm_ws", self._dim, self._arguments)
         self._call = TimedCall(
-            self._library.d_ocp_qp_ipm_solve, self._qp, self._solution, self._arguments, self._work, repeats=_REPEATS
+            self._library.d_ocp_qp_ipm_solve, self._qp, self._solution, self._arguments, self._work, repeats=REPEATS
         )
         self._lay_down_structure()
 

@@ -5,11 +5,10 @@ from typing import Any, ClassVar
 import numpy as np
 from scipy import sparse
 
-from drawbar.benchmark.peers.base import MissingPeerError, Peer
+from drawbar.benchmark.peers.base import REPEATS, MissingPeerError, Peer
 from drawbar.geometry import Floats
 from drawbar.optimal.stage_problem import StageProblem
 
-_REPEATS = 5
 _TOLERANCE = 1e-11
 """with less its answers are further from the others' than a millionth"""
 
@@ -48,7 +47,7 @@ class Piqp(Peer):
             settings.eps_abs = settings.eps_rel = _TOLERANCE
             self._solver.setup(*data)
         times, info = [], self._solver.result.info
-        for _ in range(_REPEATS):
+        for _ in range(REPEATS):
             self._solver.update(*data)
             status = self._solver.solve()
             times.append(info.update_time + info.solve_time)

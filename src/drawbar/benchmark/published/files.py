@@ -54,14 +54,7 @@ def read_problem(file: Path) -> StageProblem:
     rows = np.vstack([G, np.eye(n)[boxed]])
     lower = np.concatenate([np.full(h.size, -np.inf), lb[boxed]]) - rows @ u0
     upper = np.concatenate([h, ub[boxed]]) - rows @ u0
-    moved = np.abs(rows @ Z).max(axis=1, initial=0.0) > _ROUNDING * np.abs(rows).max(axis=1)
-    if max(lower[~moved].max(initial=0.0), -upper[~moved].min(initial=0.0)) > _CONTRADICTION * np.abs(u0).max(
-        initial=1.0
-    ):
-        raise SolverError(_NO_POINT.format(file=file))
-    rows, lower, upper = rows[moved], lower[moved], upper[moved]
-    if not len(rows):  # a stage has one state at least
-        rows, lower, upper = np.zeros((1, n)), np.array([-np.inf]), np.array([np.inf])
+    rows, lower, upper = _that_move(rows, lower, upper, Z, u0, file)
     m, n = len(rows), Z.shape[1]
     return StageProblem(
         sizes=Sizes(stages=1, states=m, inputs=n, bounds=m, free_initial=False),
@@ -79,6 +72,19 @@ def read_problem(file: Path) -> StageProblem:
         soft_quadratic=np.zeros(m),
         bound=np.arange(m, 2 * m, dtype=np.int32),
     )
+
+
+def _that_move(
+    rows: Floats, lower: Floats, upper: Floats, Z: Floats, u0: Floats, file: Path
+) -> tuple[Floats, Floats, Floats]:
+    """Return lower <= rows Z v <= upper without the rows that no v moves; a stage has one state at least."""
+    moved = np.abs(rows @ Z).max(axis=1, initial=0.0) > _ROUNDING * np.abs(rows).max(axis=1)
+    excess = max(lower[~moved].max(initial=0.0), -upper[~moved].min(initial=0.0))
+    if excess > _CONTRADICTION * np.abs(u0).max(initial=1.0):
+        raise SolverError(_NO_POINT.format(file=file))
+    if not moved.any():
+        return np.zeros((1, rows.shape[1])), np.array([-np.inf]), np.array([np.inf])
+    return rows[moved], lower[moved], upper[moved]
 
 
 def _without(A: Floats, b: Floats, file: Path) -> tuple[Floats, Floats]:

@@ -2,11 +2,9 @@
 
 from collections.abc import Callable
 
-from drawbar.control.settings import BodyTubeSettings
+from drawbar.control.settings import DECLARED_SECTIONS, BodyTubeSettings
 from drawbar.control.tube.bounds import TightenedBound
 from drawbar.control.tube.error_model import OPERATING_POINT
-
-_SECTIONS = ("disturbances", "estimation", "increments")
 
 
 def advice(
@@ -35,7 +33,7 @@ def advice(
 
     without = {
         (section, name): left(_with(settings, section, name, 0.0))
-        for section in _SECTIONS
+        for section in DECLARED_SECTIONS
         for name, size in getattr(settings, section).items()
         if size > 0.0
     }
@@ -55,7 +53,7 @@ def _with(settings: BodyTubeSettings, section: str, name: str, size: float) -> B
 
 
 def _scaled(settings: BodyTubeSettings, factor: float) -> BodyTubeSettings:
-    sizes = {section: getattr(settings, section) for section in _SECTIONS}
+    sizes = {section: getattr(settings, section) for section in DECLARED_SECTIONS}
     return settings.model_copy(
         update={section: {name: factor * size for name, size in named.items()} for section, named in sizes.items()}
     )

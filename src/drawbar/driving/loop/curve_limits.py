@@ -10,6 +10,7 @@ import numpy as np
 
 from drawbar.config import SLOWEST, Configuration
 from drawbar.errors import PathError
+from drawbar.guidance.demands import STEP
 from drawbar.guidance.path import Path
 from drawbar.safety.envelope import Bounds, Envelope
 
@@ -17,8 +18,6 @@ _FASTER = 0.3
 """by which the measured speed may exceed the set speed, m/s: noise, slip, a driver's foot"""
 _CORRECTIONS = math.radians(3.5)
 """what a curve must leave of the wheels' angle for corrections, rad; with less the controller cannot hold its line"""
-_STEP = 0.05
-"""m between the places where a path is looked at"""
 
 
 def within_envelope(configuration: Configuration) -> Configuration:
@@ -35,7 +34,7 @@ def demand_slow_curves(path: Path, configuration: Configuration) -> None:
         PathError: names which curve, what it needs, what the gate allows, and how fast it may be driven.
     """
     vehicle, speed, cap = configuration.vehicle, configuration.speed, _cap(configuration)
-    places = np.arange(0.0, path.length, _STEP)
+    places = np.arange(0.0, path.length, STEP)
     curvature = np.abs(path.sample(places)[:, 3])
     tightest = float(curvature.max())
     needed = math.atan(tightest * vehicle.wheelbase) + _CORRECTIONS

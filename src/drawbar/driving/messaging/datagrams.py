@@ -11,11 +11,10 @@ from enum import IntEnum
 import msgspec
 
 from drawbar.recording.drive_records import Order, RawBytes, pack_order, unpack_order
-from drawbar.transports.tapped import Direction
+from drawbar.transports.tapped import DIRECTIONS
 
 _RAW = struct.Struct("<4sQBBB")
 _STEP = struct.Struct("<4sQ")
-_DIRECTIONS = tuple(Direction)
 RAW, STEP, ORDER, DEVIATIONS, CORRECTIONS = b"DBr\0", b"DBs\0", b"DBo\0", b"DBv\0", b"DBc\0"
 
 
@@ -62,7 +61,7 @@ def pack(content: Content) -> bytes:
     """Return the datagram with a content."""
     if isinstance(content, RawBytes):
         device, source = Device[content.device.upper()], content.source.encode()
-        direction = _DIRECTIONS.index(content.direction)
+        direction = DIRECTIONS.index(content.direction)
         return _RAW.pack(RAW, content.time, device, direction, len(source)) + source + content.data
     if isinstance(content, Order):
         return ORDER + pack_order(content)
@@ -97,7 +96,7 @@ def _unpack_raw(data: bytes) -> RawBytes:
     return RawBytes(
         time=time,
         device=Device(device).topic,
-        direction=_DIRECTIONS[direction],
+        direction=DIRECTIONS[direction],
         source=data[_RAW.size : end].decode(),
         data=data[end:],
     )

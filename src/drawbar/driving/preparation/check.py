@@ -246,7 +246,7 @@ def _sensors(settings: SensorBoardSettings, seconds: float) -> Finding:
             finding.facts.append(shown)
         elif finding.received and is_configured and not any(fault.startswith(name) for fault in faults):
             finding.problems.append(f"it sends nothing of the {name} sensor: check that the board is set up to read it")
-    finding.problems += [f"{count} readings: {fault}" for fault, count in faults.items()]
+    finding.problems += [f"{fault} (readings: {count})" for fault, count in faults.items()]
     line.close()
     return finding
 

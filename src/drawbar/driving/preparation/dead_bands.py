@@ -5,17 +5,17 @@ from collections.abc import Iterable, Iterator, Sequence
 import numpy as np
 
 from drawbar.driving.preparation.hand_calibration import CalibrationResult
-from drawbar.machine.hardware.loop_calibration import LoopDrive, loop_dead_band
+from drawbar.machine.calibration.loop import LoopDrive, loop_dead_band
 from drawbar.messages import GateState
+from drawbar.vehicle.parameters import STEERINGS
 
-_NAMES = {"tractor": "front wheels", "trailer": "joint"}
 _GAP = 1.0
 """longest time between two states of one stretch, s"""
 
 
 def dead_bands(states: Sequence[GateState]) -> Iterator[CalibrationResult]:
     """Yield both steerings' dead bands, of states of the gate in which it steers; nothing where there are none."""
-    for body, name in _NAMES.items():
+    for body, name in STEERINGS.items():
         drive = _loop_drive(states, body)
         if np.isfinite(drive.asked).any():
             yield CalibrationResult(name=f"{name}: dead band", value=loop_dead_band(drive), sets={})

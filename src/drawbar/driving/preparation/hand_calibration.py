@@ -11,10 +11,10 @@ from pydantic import ValidationError
 from drawbar.config import Configuration
 from drawbar.driving.preparation.hand_drive import HandDrive
 from drawbar.geometry import Floats, wrap
-from drawbar.machine.hardware.calibrated import Calibrated, blocks, finite_columns
-from drawbar.machine.hardware.mounting_calibration import CurveDrive, antenna_place, mounting_roll
-from drawbar.machine.hardware.scale_calibration import Circle, Scale, scale_from_circles
-from drawbar.machine.hardware.sensor_calibration import zero_from_straight
+from drawbar.machine.calibration.calibrated import Calibrated, blocks, finite_columns
+from drawbar.machine.calibration.mounting import CurveDrive, antenna_place, mounting_roll
+from drawbar.machine.calibration.scale import Circle, Scale, scale_from_circles
+from drawbar.machine.calibration.zero import zero_from_straight
 from drawbar.machine.hardware.sensor_line import SensorBoardSettings
 from drawbar.machine.hardware.steer_board import BoardMemory, SteerBoardSettings
 from drawbar.vehicle.parameters import VehicleParameters

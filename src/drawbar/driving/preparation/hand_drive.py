@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drawbar.geometry import Floats
-from drawbar.machine.hardware.sensor_calibration import FAST, SLOW, STRAIGHT_WAY
+from drawbar.machine.calibration.zero import FAST, SLOW, STRAIGHT_WAY
 from drawbar.recording.log import RunLog
 from drawbar.signals import StepRecord
 

@@ -13,13 +13,13 @@ import numpy as np
 from drawbar.config import Configuration
 from drawbar.driving.preparation.hand_calibration import CalibrationResult
 from drawbar.errors import ConfigurationError
+from drawbar.machine.calibration.calibrated import Calibrated, linear_fit
+from drawbar.machine.calibration.plans import DeadBandPlan, RatePlan
+from drawbar.machine.calibration.pushing import CalibratedMachine, Calibration, CalibrationLimits, Sensed, carry_out
+from drawbar.machine.calibration.valve import actuator_dynamics, dead_band
 from drawbar.machine.hardware.bare_valve import BareValve, Motion
 from drawbar.machine.hardware.bare_valve_settings import BareValveSettings
-from drawbar.machine.hardware.calibrated import Calibrated, linear_fit
-from drawbar.machine.hardware.calibration import CalibratedMachine, Calibration, CalibrationLimits, Sensed, carry_out
-from drawbar.machine.hardware.calibration_plans import DeadBandPlan, RatePlan
 from drawbar.machine.hardware.receiver import Receiver, ReceiverSettings
-from drawbar.machine.hardware.valve_calibration import actuator_dynamics, dead_band
 from drawbar.transports.open import open_transport
 
 PUSHES = 5
@@ -185,7 +185,9 @@ def _sensor(settings: BareValveSettings, rests: Sequence[tuple[float, float]]) -
     angles, by_yaw = np.array(rests).reshape(-1, 2).T
     refusals = []
     if len(angles) < _FEWEST or not angles.std() >= _SPREAD:
-        refusals.append(f"{len(angles)} rests within {math.degrees(np.ptp(angles)):.1f}°; push again, rolling straight")
+        refusals.append(
+            f"rests: {len(angles)}, within {math.degrees(np.ptp(angles)):.1f}°; push again, rolling straight"
+        )
     fit = linear_fit(np.column_stack([angles, np.ones(len(angles))]), by_yaw)
     factor, deviation = float(fit.parameters[0]), float(fit.deviations[0])
     if not (deviation <= _SURE and factor > 0.0):

@@ -6,11 +6,12 @@ from itertools import groupby, pairwise
 
 from drawbar.config import Configuration
 from drawbar.driving.preparation.hand_calibration import CalibrationResult
+from drawbar.estimation.actuation_settings import SteeringMemories, SteeringMemory
 from drawbar.estimation.identification import identify
-from drawbar.estimation.settings import SteeringMemories, SteeringMemory
-from drawbar.machine.hardware.calibrated import Calibrated
+from drawbar.machine.calibration.calibrated import Calibrated
 from drawbar.signals import Actuation, Flag, StepRecord
 from drawbar.statuses import Status
+from drawbar.vehicle.parameters import STEERINGS
 
 _SHORTEST = 40.0
 """time of steering without a gap in which something may be found, s"""
@@ -24,7 +25,6 @@ _SLOWER = 0.9
 """of the stated rate, below which the rate is shown to be another"""
 _QUANTITIES = (("dead_time", "{}: dead time", "s"), ("lag", "{}: lag", "s"), ("rate", "{}: rate", "rad/s"))
 """name in a memory, what it is called of a steering, unit"""
-_NAMES = {"tractor": "front wheels", "trailer": "joint"}
 
 
 def longest_steering(records: Sequence[StepRecord]) -> list[StepRecord]:
@@ -61,7 +61,7 @@ def steering_memory(configuration: Configuration, records: Sequence[StepRecord])
     if any(_is_steered(before) and record.status == Status.STEERING for before, record in pairwise(records)):
         refusals.append("a steering did not follow its commands; look at its sensor and its actuator, and drive again")
     found = [_identified(configuration, part) for part in (steered, steered[:half], steered[half:])]
-    for body, name in _NAMES.items():
+    for body, name in STEERINGS.items():
         stated = getattr(configuration.vehicle, f"{body}_steering_rate")
         known = getattr(configuration.actuation.remembered, body).rate
         for quantity, title, unit in _QUANTITIES:
@@ -83,7 +83,7 @@ def steering_memory(configuration: Configuration, records: Sequence[StepRecord])
 def _identified(configuration: Configuration, steered: Sequence[StepRecord]) -> Actuation:
     """Return what a stretch shows by itself. A remembered rate stays the prior: planned with, it is hardly exceeded."""
     memory = configuration.actuation.remembered
-    rates = {body: SteeringMemory(rate=getattr(memory, body).rate) for body in _NAMES}
+    rates = {body: SteeringMemory(rate=getattr(memory, body).rate) for body in STEERINGS}
     settings = configuration.actuation.model_copy(update={"remembered": SteeringMemories(**rates)})
     steps = ((record.measurement, record.command) for record in steered)
     return identify(steps, configuration.vehicle, settings, configuration.sample_time)

@@ -14,15 +14,15 @@ from drawbar.driving.devices.actuators import gate_wires
 from drawbar.driving.devices.gate_options import gate_options
 from drawbar.driving.devices.receiver_transports import open_receivers
 from drawbar.driving.messaging.socket_folder import SocketFolder
+from drawbar.machine.calibration.wiggle import Wiggle, wiggle_command, wiggle_test
 from drawbar.machine.hardware.receiver import Receiver
-from drawbar.machine.hardware.wiggle_judgement import Wiggle, wiggle_command, wiggle_test
 from drawbar.protocols.actuator import Readiness, SteeringReport, SteeringRequest
 from drawbar.protocols.speed_actuator import SpeedRequest
 from drawbar.safety.wires import Wires
+from drawbar.vehicle.parameters import STEERINGS
 
 SLOWEST, FASTEST = 0.2, 1.5
 """m/s, between which the vehicle must roll: a standing tyre is not turned"""
-STEERINGS = ("front wheels", "joint")
 AMPLITUDE = math.radians(2.0)
 """to either side, rad"""
 TRAVEL = math.radians(5.0)
@@ -164,7 +164,7 @@ def wiggle_both(configuration: Configuration) -> Iterator[tuple[str, Wiggle]]:
             opened.callback(each.close)
         receiver = opened.enter_context(closing(Receiver(tractor, configuration.devices.tractor_receiver)))
         wires = opened.enter_context(closing(Wires(gate_wires(options))))
-        for body, name in enumerate(STEERINGS):
+        for body, name in enumerate(STEERINGS.values()):
             found = carry_out(wires, body, lambda now: _speed(receiver, now))
             yield name, found
             if math.isnan(found.gain):

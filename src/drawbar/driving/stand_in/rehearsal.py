@@ -25,7 +25,7 @@ from drawbar.machine.hardware.navigation import Navigation
 from drawbar.machine.hardware.receiver import Receiver, ReceiverSettings
 from drawbar.machine.hardware.sampler import Sampler
 from drawbar.machine.hardware.sensor_line import SensorBoardSettings, SensorLine
-from drawbar.machine.stand_in.machine import BODIES, HITCH_ANGLES, HITCH_COUNTS, PULSES, SENSORS
+from drawbar.machine.stand_in.machine import HITCH_ANGLES, HITCH_COUNTS, PULSES, SENSORS
 from drawbar.messages import Action, Fixes, GateState, Heartbeat, Message, Role, SupervisorState
 from drawbar.messages.records import decode, encode
 from drawbar.nanoseconds import seconds
@@ -36,7 +36,7 @@ from drawbar.safety.machine_gate import Gate
 from drawbar.safety.settings import SafetySettings
 from drawbar.safety.wires import Wire
 from drawbar.signals import StepRecord, Truth
-from drawbar.vehicle.parameters import VehicleParameters
+from drawbar.vehicle.parameters import BODIES, VehicleParameters
 
 STEP = 5_000_000
 """of the clock, ns"""

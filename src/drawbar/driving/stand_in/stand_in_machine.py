@@ -16,7 +16,7 @@ from drawbar.machine.stand_in.bare_valve import StandInBareValve
 from drawbar.machine.stand_in.board import StandInBoard
 from drawbar.machine.stand_in.can_machine import CanMachine
 from drawbar.machine.stand_in.driver import Driver
-from drawbar.machine.stand_in.machine import BODIES, StandInDevices, StandInMachine, StandInSettings
+from drawbar.machine.stand_in.machine import StandInDevices, StandInMachine, StandInSettings
 from drawbar.machine.stand_in.nmea import gga, gst, hrp, panda, paogi, vtg
 from drawbar.machine.stand_in.nmea2000 import nmea2000
 from drawbar.machine.stand_in.receiver import Encoder, Report, turned
@@ -24,6 +24,7 @@ from drawbar.machine.stand_in.wheel import HeldWheel
 from drawbar.machine.stand_in.world import TICK, World
 from drawbar.simulation import build_machine
 from drawbar.transports.base import CanBus
+from drawbar.vehicle.parameters import BODIES
 
 SEED = 0
 """of stand-ins that are programs"""

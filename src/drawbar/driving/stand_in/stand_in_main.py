@@ -19,7 +19,7 @@ from drawbar.driving.stand_in.stand_in_machine import SEED, Firmware, stand_in_m
 from drawbar.driving.stand_in.stand_ins import StandIns
 from drawbar.errors import HardwareError
 from drawbar.machine.stand_in.driver import Driver
-from drawbar.machine.stand_in.faults import FaultPlan, PlannedFault
+from drawbar.machine.stand_in.fault_plan import FaultPlan, PlannedFault
 from drawbar.machine.stand_in.machine import StandInMachine
 from drawbar.messages import GateState, SupervisorState
 from drawbar.messages.records import decode

@@ -20,10 +20,11 @@ from drawbar.driving.stand_in.device_transports import (
 from drawbar.machine.hardware.corrections.settings import CorrectionsSettings
 from drawbar.machine.stand_in.board import Output
 from drawbar.machine.stand_in.caster import Caster
-from drawbar.machine.stand_in.machine import BARE_VALVE, BODIES, SENSORS, StandInMachine
+from drawbar.machine.stand_in.machine import BARE_VALVE, SENSORS, StandInMachine
 from drawbar.protocols.agopengps.steer_board import SET_POINT
 from drawbar.protocols.rtcm import RtcmFramer
 from drawbar.transports.address import is_loopback
+from drawbar.vehicle.parameters import BODIES
 
 
 class StandIns:

@@ -15,7 +15,7 @@ from drawbar.experiment.tuning.parameters import SearchSpace, to_toml
 from drawbar.experiment.tuning.pictures import draw_front, draw_parameters, picture_height
 from drawbar.experiment.tuning.study import Score, Trial, front
 from drawbar.experiment.writing import writing
-from drawbar.report.tables import number
+from drawbar.report.tables import counted, number
 from drawbar.terminal import FittedTable
 
 _CM, _DEGREES = 100.0, math.degrees(1.0)
@@ -117,9 +117,9 @@ def _what_was_searched(findings: Findings) -> str:
         f"Made by `drawbar tune {space.source}{changes} --parameters '{ranges}' --trials {len(outcomes)} --seed "
         f"{findings.seed}`. Each trial is driven with the seeds 0 to {tuning.seeds - 1}; its error is the "
         f"{tuning.error} distance from the path, its effort the mean steering rate, each the mean of both bodies. "
-        f"{given_up} trials were given up before the end of the path, {refused} had values that the configuration "
-        f"refuses. The front is driven again with the fresh seeds {tuning.seeds} to "
-        f"{tuning.seeds + tuning.fresh_seeds - 1}."
+        f"{counted(given_up, 'trial')} {'was' if given_up == 1 else 'were'} given up before the end of the path, "
+        f"{refused} had values that the configuration refuses. The front is driven again with the fresh seeds "
+        f"{tuning.seeds} to {tuning.seeds + tuning.fresh_seeds - 1}."
     )
 
 

@@ -42,7 +42,7 @@ def read(path: Path, frame: LocalFrame) -> tuple[Field, ...]:
             continue
         place = f"{path}:{index}"
         if len(row) != len(_HEADER):
-            raise PathError(f"{place}: {row!r} has {len(row)} cells; {','.join(_HEADER)} is needed")
+            raise PathError(f"{place}: is {separator.join(row)!r}; {','.join(_HEADER)} is needed")
         latitude, longitude = (cell if separator == "," else cell.replace(",", ".") for cell in row[1:])
         point = number(latitude, place, "the latitude"), number(longitude, place, "the longitude")
         lines.setdefault(row[0], []).append(point)

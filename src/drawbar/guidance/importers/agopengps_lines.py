@@ -92,8 +92,8 @@ def _heads(file: Path, rows: list[str], *, before: int) -> list[int]:
         count = number(rows[head + before - 1], f"{file}:{head + before}", "the number of points")
         if not (count.is_integer() and 0 <= count <= left):
             raise PathError(
-                f"{file}:{head + before}: line {rows[head]!r} announces {rows[head + before - 1]} points, but {left} "
-                f"rows follow; export the field from AgOpenGPS again"
+                f"{file}:{head + before}: line {rows[head]!r} announces points: "
+                f"{rows[head + before - 1]}, but holds {left}; export the field from AgOpenGPS again"
             )
         heads.append(head)
         head += before + int(count)

@@ -68,8 +68,8 @@ def read_boundary(file: Path) -> Boundary | None:
         return None
     if head + count >= len(rows):
         raise PathError(
-            f"{file}:{head + 1}: announces {count} points, but {len(rows) - head - 1} rows follow; export the field "
-            f"from AgOpenGPS again"
+            f"{file}:{head + 1}: announces {count} points, but holds {len(rows) - head - 1}; export the field from "
+            f"AgOpenGPS again"
         )
     first = head + 1
     points = [numbers(rows[index], 3, f"{file}:{index + 1}")[:2] for index in range(first, first + count)]

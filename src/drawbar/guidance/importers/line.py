@@ -64,8 +64,8 @@ class RecordedLine:
         kept, repeated = points[apart], int((~apart).sum())
         if len(kept) < 2:
             raise PathError(
-                f"{places[0]}: line {name!r} has {len(kept)} "
-                f"different point(s); it needs at least two that are more than {1e3 * _SAME_POINT:g} mm apart"
+                f"{places[0]}: line {name!r} has fewer than two different points; it needs at least two that "
+                f"are more than {1e3 * _SAME_POINT:g} mm apart"
             )
         if not (_SHORTEST <= (length := float(step.sum())) <= _LONGEST):
             metres = f"{length:.0f}" if length > 1.0 else f"{length:.4g}"
@@ -75,7 +75,7 @@ class RecordedLine:
                 f"GeoJSON has them?"
             )
         if repeated:
-            _LOGGER.warning("line %r: dropped %d repeated point(s)", name, repeated)
+            _LOGGER.warning("line %r: repeated points dropped: %d", name, repeated)
         return cls(name=name, x=kept[:, 0].copy(), y=kept[:, 1].copy())
 
 

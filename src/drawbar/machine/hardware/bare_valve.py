@@ -6,8 +6,8 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from drawbar.machine.calibration.pushing import CalibratedMachine, Sensed
 from drawbar.machine.hardware.bare_valve_settings import BareValveSettings
-from drawbar.machine.hardware.calibration import CalibratedMachine, Sensed
 from drawbar.protocols.bare_valve import ValveBoard, ValveReport, drive_sentence
 from drawbar.transports.base import Transport
 

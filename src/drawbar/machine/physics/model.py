@@ -13,7 +13,6 @@ from drawbar.machine.physics.settings import FRONT_AXLE, PhysicsMachineSettings
 from drawbar.vehicle.parameters import VehicleParameters
 
 WHEELS = ("rear_left", "rear_right", "front_left", "front_right", "trailer_left", "trailer_right")
-BODIES = ("tractor", "trailer")
 CONTROLS = ("steer_left", "steer_right", "joint", "drive")
 JOINTS = ("hitch", "joint", "steer_left", "steer_right")
 """beta, phi - psi, and the angles of both front wheels, as their signs are everywhere else"""

@@ -9,13 +9,13 @@ from drawbar.errors import ConfigurationError
 from drawbar.extras import install_command
 from drawbar.geometry import Floats
 from drawbar.machine.physics.forces import Forces
-from drawbar.machine.physics.model import BODIES, JOINTS, WHEELS, mjcf
+from drawbar.machine.physics.model import JOINTS, WHEELS, mjcf
 from drawbar.machine.physics.settings import PhysicsMachineSettings
 from drawbar.machine.physics.stance import Stance, stance
 from drawbar.machine.physics.statics import static_loads
 from drawbar.machine.terrain import Terrain
 from drawbar.signals import Pose
-from drawbar.vehicle.parameters import VehicleParameters
+from drawbar.vehicle.parameters import BODIES, VehicleParameters
 
 _LET_DOWN, _BRAKED = 1.5, 0.7
 """for how long the machine is let down onto its wheels, s, and what is left of all velocities after each step then"""

@@ -8,8 +8,9 @@ import random
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 
-from drawbar.machine.stand_in.machine import BODIES, StandInMachine
+from drawbar.machine.stand_in.machine import StandInMachine
 from drawbar.machine.stand_in.receiver import Encoder, Report
+from drawbar.vehicle.parameters import BODIES
 
 ReportChange = Callable[[Report, float], Report]
 """what a receiver reports instead, given its report and the time since the fault began, s"""

@@ -21,6 +21,7 @@ from drawbar.machine.stand_in.wheel import HeldWheel
 from drawbar.machine.stand_in.world import TICK, World
 from drawbar.protocols.sensor_board import sentence
 from drawbar.signals import FixQuality, Truth
+from drawbar.vehicle.parameters import BODIES
 
 _SAME = 1e-9
 """times nearer than this are the same, s"""
@@ -42,7 +43,6 @@ _REPORTS = 0.04
 """between two sentences of the sensor board, s"""
 _BEGAN = datetime.datetime(2026, 6, 1, 6, 0, tzinfo=datetime.UTC)
 """when its receivers' clocks begin"""
-BODIES = ("tractor", "trailer")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -55,7 +55,7 @@ class TableCurvature(CurvatureMap):
 
     def __init__(self, pairs: Sequence[tuple[float, float]]) -> None:
         if len(pairs) < 2:
-            raise ConfigurationError(f"curvature table has {len(pairs)} pairs; give at least two, from stop to stop")
+            raise ConfigurationError("curvature table has fewer than two pairs; give at least two, from stop to stop")
         for pair in pairs:
             if not all(map(math.isfinite, pair)):
                 raise ConfigurationError(f"curvature table: {pair} is not a pair of finite numbers (rad, 1/m)")

@@ -16,8 +16,7 @@ from drawbar.report.tube.console import findings_text, proposal, tube_text
 from drawbar.report.tube.page import write_page
 from drawbar.report.tube.recorded import Recording, findings, recordings
 from drawbar.step.build import operating_conditions
-
-BODIES = ("tractor", "trailer")
+from drawbar.vehicle.parameters import BODIES
 
 
 def show_tubes(console: Console, configuration: Configuration, out: Path, logs: Sequence[Path]) -> bool:

@@ -7,9 +7,10 @@ import tomli_w
 from rich.console import Group, RenderableType
 from rich.text import Text
 
+from drawbar.control.settings import DECLARED_SECTIONS
 from drawbar.control.tube.tube import SubsystemTube
-from drawbar.report.tables import Row
-from drawbar.report.tube.recorded import CONFIDENCE, SECTIONS, Finding, coverage
+from drawbar.report.tables import Row, counted
+from drawbar.report.tube.recorded import CONFIDENCE, Finding, coverage
 from drawbar.report.tube.tables import (
     FINDING_COLUMNS,
     SET_COLUMNS,
@@ -51,12 +52,12 @@ def findings_text(body: str, findings: list[Finding]) -> RenderableType:
     violated = [f"{finding.section}.{finding.name}" for finding in findings if finding.declared and finding.beyond]
     verdict = Text(f"Violated: {', '.join(violated)}", "bold red") if violated else _UNVIOLATED[declared]
     confidence = (
-        f"{samples} samples: the largest of them bounds {coverage(samples):.1%} of all samples like these with "
-        f"{CONFIDENCE:.0%} confidence, were they independent (Wilks 1941)."
+        f"{counted(samples, 'sample')}: the largest of them bounds {coverage(samples):.1%} of all samples like these "
+        f"with {CONFIDENCE:.0%} confidence, were they independent (Wilks 1941)."
     )
     tables = [
         _table(section, FINDING_COLUMNS, finding_rows(rows), 20)
-        for section in SECTIONS
+        for section in DECLARED_SECTIONS
         if (rows := [finding for finding in findings if finding.section == section])
     ]
     return Group("", Text(f"{body}, recorded", f"bold {_COLOURS[body]}"), *tables, verdict, confidence)
@@ -67,7 +68,7 @@ def proposal(findings: Mapping[str, list[Finding]]) -> str:
     tube: dict[str, Any] = {
         body: {
             section: {finding.name: finding.proposed for finding in of_body if finding.section == section}
-            for section in SECTIONS
+            for section in DECLARED_SECTIONS
             if any(finding.section == section for finding in of_body)
         }
         for body, of_body in findings.items()

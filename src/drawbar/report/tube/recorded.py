@@ -17,7 +17,6 @@ from drawbar.geometry import Floats
 from drawbar.recording.log import RunLog, read_log
 
 CONFIDENCE = 0.95
-SECTIONS = ("disturbances", "estimation", "increments")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from drawbar.benchmark.simulated_actuators import SimulatedValve
-from drawbar.machine.hardware.calibrated import Calibrated
-from drawbar.machine.hardware.calibration import (
+from drawbar.machine.calibration.calibrated import Calibrated
+from drawbar.machine.calibration.plans import DeadBandPlan, RatePlan
+from drawbar.machine.calibration.pushing import (
     CalibratedMachine,
     Calibration,
     CalibrationLimits,
@@ -17,8 +18,7 @@ from drawbar.machine.hardware.calibration import (
     State,
     carry_out,
 )
-from drawbar.machine.hardware.calibration_plans import DeadBandPlan, RatePlan
-from drawbar.machine.hardware.valve_calibration import actuator_dynamics, dead_band
+from drawbar.machine.calibration.valve import actuator_dynamics, dead_band
 from drawbar.machine.low_level.settings import ValveSettings
 
 PERIOD = 0.02
@@ -252,7 +252,7 @@ def test_a_device_that_raises_is_switched_off() -> None:
 def test_dead_bands_that_disagree_or_are_too_few_are_refused() -> None:
     plan, bench = DeadBandPlan(runs=2), Bench(ValveSettings())
     carry_out(Calibration(plan), bench)
-    assert "2 runs moved" in dead_band(plan.runs[1]).refusals[0]
+    assert "runs that moved: 2, needed: 3" in dead_band(plan.runs[1]).refusals[0]
     assert not dead_band([]).accepted
     other, wide = DeadBandPlan(runs=1), Bench(ValveSettings(dead_band_left=0.3))
     carry_out(Calibration(other), wide)

@@ -1,4 +1,4 @@
-"""Calibration of a closed loop's dead band: how far a steering stays from its set point. Pure.
+"""Loop calibration: a closed loop's dead band, how far a steering stays from its set point. Pure.
 
 Boards and valves that take set points close the loop themselves. Where their smallest drive does not move the steering
 yet, it rests until the set point is far enough away.
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drawbar.geometry import Floats
-from drawbar.machine.hardware.calibrated import Calibrated, finite_columns
+from drawbar.machine.calibration.calibrated import Calibrated, finite_columns
 
 _SAME = math.radians(0.06)
 """angles that differ by less are the same, rad; a sensor's steps are finer"""
@@ -47,7 +47,7 @@ def loop_dead_band(drive: LoopDrive) -> Calibrated:
     refusals = []
     if len(errors) < _FEWEST:
         refusals.append(
-            f"{len(errors)} motions from rest, {_FEWEST} are needed; let drawbar steer slow curves for two minutes (a "
+            f"motions from rest: {len(errors)}, needed: {_FEWEST}; let drawbar steer slow curves for two minutes (a "
             f"steering that never rests has no dead band)"
         )
     spread = float(errors.std(ddof=1)) if len(errors) > 1 else math.inf

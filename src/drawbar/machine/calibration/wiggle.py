@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from drawbar.geometry import Floats
-from drawbar.machine.hardware.calibrated import finite_columns, linear_fit
+from drawbar.machine.calibration.calibrated import finite_columns, linear_fit
 
 WIGGLE_GAIN = (0.7, 1.3)
 WIGGLE_DELAY = 0.5
@@ -63,9 +63,7 @@ def wiggle_test(
     """
     time, command, angle = finite_columns(times, commanded, measured)
     if len(time) < 20 or not np.all(np.diff(time) > 0.0) or not np.ptp(command) > 0.0:
-        reason = (
-            f"{len(time)} samples in order, commands over {np.ptp(command) if len(command) else 0.0} rad; repeat it"
-        )
+        reason = f"samples: {len(time)}, commands over {np.ptp(command) if len(command) else 0.0} rad; repeat it"
         return Wiggle(gain=math.nan, delay=math.nan, explained=0.0, refusals=(reason,))
     variation = float(((angle - angle.mean()) ** 2).sum())
     best = Wiggle(gain=0.0, delay=math.nan, explained=0.0, refusals=())

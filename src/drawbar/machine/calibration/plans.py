@@ -1,11 +1,11 @@
-"""Calibration plans: the pushes that find the dead band, and those that find full rate, lag and dead time."""
+"""Plans of a calibration: the pushes that find the dead band, and those that find full rate, lag and dead time."""
 
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from drawbar.machine.hardware.valve_calibration import MOVED, RUNS, PushRecord
+from drawbar.machine.calibration.valve import MOVED, RUNS, PushRecord
 
 _MOVING = 4
 """pushes that have moved, at which a run ends"""

@@ -2,12 +2,12 @@
 
 from typing import Literal
 
-from drawbar.console.catalogue import TEXTS
-from drawbar.console.causes_de import CAUSES_DE
-from drawbar.console.errors_de import ERRORS_DE
-from drawbar.console.signal_words import signal_words
-from drawbar.console.statuses_de import STATUSES_DE
-from drawbar.console.translation import Translation
+from drawbar.console.language.catalogue import TEXTS
+from drawbar.console.language.causes_de import CAUSES_DE
+from drawbar.console.language.errors_de import ERRORS_DE
+from drawbar.console.language.signal_words import signal_words
+from drawbar.console.language.statuses_de import STATUSES_DE
+from drawbar.console.language.translation import Translation
 from drawbar.safety.causes import Cause
 from drawbar.statuses import Status
 

@@ -6,7 +6,7 @@ causes_de.py and errors_de.py. What signals are called is put together from sign
 
 from collections.abc import Mapping
 
-from drawbar.console.catalogue_set_up import SET_UP_TEXTS
+from drawbar.console.language.catalogue_set_up import SET_UP_TEXTS
 
 TEXTS: Mapping[str, tuple[str, str]] = {
     **SET_UP_TEXTS,
@@ -164,7 +164,7 @@ TEXTS: Mapping[str, tuple[str, str]] = {
         "Weiterfahren: wohin der Traktor zeigt, ist unbekannt",
     ),
     "no_position": ("Waiting for an RTK-fixed position", "Warte auf RTK-Fix"),
-    "recording_points": ("Recording: {count} points", "Aufnahme: {count} Punkte"),
+    "recording_points": ("Recording, points: {count}", "Aufnahme, Punkte: {count}"),
     "recording_full": (
         "full: end and save, then record on",
         "voll: beenden und speichern, dann weiter aufzeichnen",
@@ -244,7 +244,7 @@ TEXTS: Mapping[str, tuple[str, str]] = {
     "login_wait": ("Too many attempts: wait a minute", "Zu viele Versuche: eine Minute warten"),
     "no_runs": ("There are no runs in {folder}.", "In {folder} sind keine Fahrten."),
     "show_map": ("Map", "Karte"),
-    "more_runs": ("{count} earlier ones", "{count} frühere"),
+    "more_runs": ("Earlier: {count}", "Frühere: {count}"),
     "run_gone": ("This run has been deleted meanwhile.", "Diese Fahrt wurde inzwischen gelöscht."),
     "open_report": ("Open the report", "Bericht öffnen"),
     "recorded_now": ("is being recorded now", "wird gerade aufgezeichnet"),

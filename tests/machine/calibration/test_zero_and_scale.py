@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drawbar.machine.hardware.calibrated import Calibrated
-from drawbar.machine.hardware.scale_calibration import Circle, Scale, scale_from_circles
-from drawbar.machine.hardware.sensor_calibration import zero_from_straight
+from drawbar.machine.calibration.calibrated import Calibrated
+from drawbar.machine.calibration.scale import Circle, Scale, scale_from_circles
+from drawbar.machine.calibration.zero import zero_from_straight
 
 WHEELBASE = 2.0
 SPAN = (600.0, 3400.0)

@@ -1,4 +1,4 @@
-"""Calibration of a steering actuator from recorded pushes: dead band, full rate, lag, dead time."""
+"""Valve calibration: from recorded pushes of a steering actuator its dead band, full rate, lag, dead time."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from drawbar.geometry import Floats
-from drawbar.machine.hardware.calibrated import Calibrated, finite_columns, linear_fit
+from drawbar.machine.calibration.calibrated import Calibrated, finite_columns, linear_fit
 
 MOVED = math.radians(0.3)
 """what counts as having moved, rad"""
@@ -59,7 +59,7 @@ def dead_band(runs: Sequence[Sequence[PushRecord]]) -> Calibrated:
         return _no_dead_band((f"in no run did three pushes move more than {math.degrees(MOVED)}°; push further",))
     refusals = []
     if len(bands) < RUNS:
-        refusals.append(f"{len(bands)} runs moved; make {RUNS}")
+        refusals.append(f"runs that moved: {len(bands)}, needed: {RUNS}")
     value = float(np.quantile(bands, QUANTILE))
     spread = float(np.std(bands, ddof=1)) if len(bands) > 1 else math.inf
     if not (0.0 <= value < 0.6):
@@ -129,7 +129,7 @@ def _dynamics(
         )
 
     if len(pushes) < RUNS or len(values) < 10:
-        reason = f"{len(pushes)} pushes with {len(values)} samples; make {RUNS} at 10 a second or more"
+        reason = f"pushes: {len(pushes)}, with samples: {len(values)}; make {RUNS}, with 10 samples a second or more"
         return _dynamics_of(np.full(3, math.nan), np.full(3, math.inf), unit, (reason,))
     bounds = ([0.0, 1e-3, 0.0], [math.inf, most_lag, 0.5])
     starts = [least_squares(lambda p: predicted(p) - values, (0.5, lag, 0.05), bounds=bounds) for lag in (0.05, 0.3)]

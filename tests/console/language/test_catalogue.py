@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 import drawbar
-from drawbar.console.catalogue import TEXTS
-from drawbar.console.causes_de import CAUSES_DE
-from drawbar.console.words import Words, language_of
+from drawbar.console.language.catalogue import TEXTS
+from drawbar.console.language.causes_de import CAUSES_DE
+from drawbar.console.language.words import Words, language_of
 from drawbar.messages import SupervisorState
 from drawbar.safety.causes import Cause
 from drawbar.signals import FixQuality

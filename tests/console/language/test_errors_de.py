@@ -12,11 +12,11 @@ import pytest
 import drawbar
 from drawbar import errors
 from drawbar.config import load_configuration, recorded_configuration
-from drawbar.console.errors_de import ERRORS_DE
+from drawbar.console.language.errors_de import ERRORS_DE
+from drawbar.console.language.translation import Translation
+from drawbar.console.language.words import Words
 from drawbar.console.set_up_values import GROUPS
 from drawbar.console.set_up_words import flaws
-from drawbar.console.translation import Translation
-from drawbar.console.words import Words
 from drawbar.errors import DrawbarError
 from drawbar.fields.exchange import take_in
 from drawbar.geometry import LocalFrame
@@ -49,23 +49,23 @@ CALIBRATION = (
     "driving/preparation/dead_bands.py",
     "driving/preparation/push_calibration.py",
     "driving/preparation/steering_memory.py",
-    "machine/hardware/calibration.py",
-    "machine/hardware/calibration_plans.py",
-    "machine/hardware/valve_calibration.py",
-    "machine/hardware/loop_calibration.py",
-    "machine/hardware/sensor_calibration.py",
-    "machine/hardware/scale_calibration.py",
-    "machine/hardware/mounting_calibration.py",
+    "machine/calibration/pushing.py",
+    "machine/calibration/plans.py",
+    "machine/calibration/valve.py",
+    "machine/calibration/loop.py",
+    "machine/calibration/zero.py",
+    "machine/calibration/scale.py",
+    "machine/calibration/mounting.py",
 )
 """whose texts are refusals and names"""
 NOT_MET = {
     "console/passwords.py",  # of the command line
-    "console/errors_de.py",
-    "console/refusals_de.py",
-    "console/catalogue.py",
-    "console/catalogue_set_up.py",
-    "console/causes_de.py",
-    "console/statuses_de.py",
+    "console/language/errors_de.py",
+    "console/language/refusals_de.py",
+    "console/language/catalogue.py",
+    "console/language/catalogue_set_up.py",
+    "console/language/causes_de.py",
+    "console/language/statuses_de.py",
 }
 ELSEWHERE = {
     "config.py",  # files and --set of the command line; the numbers that pages change are tried below
@@ -185,8 +185,8 @@ def test_every_text_takes_its_values_over(key):
 
 
 def test_values_are_translated_and_numbers_get_commas():
-    text = "a.kml: the boundary has 2 different point(s); it needs at least 3"
-    assert Words("de").message(text) == "a.kml: die Grenze hat 2 verschiedene(n) Punkt(e); mindestens 3 sind nötig"
+    text = "a.kml: the boundary has fewer than 3 different points; draw it again"
+    assert Words("de").message(text) == "a.kml: die Grenze hat weniger als 3 verschiedene Punkte; neu zeichnen"
     assert Words("en").message(text) == text
     assert "(39,6; -0,8) m" in Words("de").message(
         "line 'a' cannot be made drivable: near (39.6, -0.8) m its curvature stays at 2.5 1/m; at most 0.3 1/m is "

@@ -9,9 +9,9 @@ REFUSALS_DE: Mapping[str, str] = {
     "front wheels: zero": "Vorderräder: Nullpunkt",
     "front wheels: scale": "Vorderräder: Maßstab",
     "{}: dead band": "{0}: Totbereich",
-    "{} motions from rest, {} are needed; let drawbar steer slow curves for two minutes (a steering that never rests "
+    "motions from rest: {}, needed: {}; let drawbar steer slow curves for two minutes (a steering that never rests "
     "has no dead band)":
-        "{0} Bewegungen aus der Ruhe, {1} sind nötig; drawbar zwei Minuten sanfte Kurven lenken lassen (eine Lenkung, "
+        "Bewegungen aus der Ruhe: {0}, nötig: {1}; drawbar zwei Minuten sanfte Kurven lenken lassen (eine Lenkung, "
         "die nie ruht, hat keinen Totbereich)",
     "{}: rate": "{0}: Geschwindigkeit",
     "{} s of steering without a gap; let drawbar steer for a minute":
@@ -78,13 +78,13 @@ REFUSALS_DE: Mapping[str, str] = {
     "of the full drive": "der vollen Ansteuerung",
     "in no run did three pushes move more than {}°; push further":
         "in keiner Reihe bewegte sich dreimal etwas um mehr als {0}°; weiter steigern",
-    "{} runs moved; make {}": "in {0} Reihen hat sich etwas bewegt; {1} sind nötig",
+    "runs that moved: {}, needed: {}": "Reihen mit Bewegung: {0}, nötig: {1}",
     "a dead band of {} cannot be; check the valve's supply and the sensor":
         "ein Totbereich von {0} kann nicht sein; Druck oder Strom und den Sensor prüfen",
     "the runs differ by {} of the drive; warm the oil up, and repeat":
         "die Reihen unterscheiden sich um {0} der Ansteuerung; Öl warm fahren, dann wiederholen",
-    "{} pushes with {} samples; make {} at 10 a second or more":
-        "{0} Stöße mit {1} Werten; nötig sind {2}, mit 10 Werten je Sekunde oder mehr",
+    "pushes: {}, with samples: {}; make {}, with 10 samples a second or more":
+        "Stöße: {0}, Werte: {1}; nötig sind {2} Stöße, mit 10 Werten je Sekunde oder mehr",
     "the angle moved by {}°; push longer, to 3° at least":
         "der Winkel bewegte sich um {0}°; länger ansteuern, mindestens bis 3°",
     "the fit leaves {}°; the pushes differ, or the wheels hit their stop":
@@ -94,8 +94,8 @@ REFUSALS_DE: Mapping[str, str] = {
     "direction of the drive": "Richtung der Ansteuerung",
     "(1: positive turns left, -1: right)": "(1: positiv dreht nach links, -1: nach rechts)",
     "front wheels: angle by the yaw rate / by the sensor": "Vorderräder: Winkel nach Drehrate / nach Sensor",
-    "{} rests within {}°; push again, rolling straight":
-        "{0} Ruhelagen innerhalb von {1}°; noch einmal, geradeaus rollend",
+    "rests: {}, within {}°; push again, rolling straight":
+        "Ruhelagen: {0}, innerhalb von {1}°; noch einmal, geradeaus rollend",
     "the yaw rate tells it to {} only; roll faster, at 1 m/s, straight ahead":
         "die Drehrate sagt es nur auf {0} genau; schneller rollen, mit 3,5 km/h, geradeaus",
     "{} names no valve or motor to push; add [devices.bare_valve] with transport, counts and angles "

@@ -1,4 +1,4 @@
-"""Calibration by moving a little: a state machine that pushes an actuator, watches it, and always ends with off.
+"""Pushing calibration: a state machine that pushes an actuator, watches it, and always ends with off.
 
 It takes what a sensor reports and returns what to drive; it reads no clock and owns no device. Whatever looks like a
 runaway ends it: motion to the wrong side, faster or further than expected, none at all, or without a drive, or seen in
@@ -14,8 +14,8 @@ from enum import Enum
 
 import numpy as np
 
-from drawbar.machine.hardware.calibration_plans import NoMotion, Plan, Push
-from drawbar.machine.hardware.valve_calibration import MOVED, PushRecord
+from drawbar.machine.calibration.plans import NoMotion, Plan, Push
+from drawbar.machine.calibration.valve import MOVED, PushRecord
 
 _FIRST_PAUSE = 0.8
 """s, in which nothing may move before the first push"""

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from drawbar.benchmark.simulated_actuators import SimulatedValve
-from drawbar.machine.hardware.wiggle_judgement import Wiggle, wiggle_command, wiggle_test
+from drawbar.machine.calibration.wiggle import Wiggle, wiggle_command, wiggle_test
 from drawbar.machine.low_level.low_level import ActuateInput, LowLevel, SteeringAxis, TableSensor
 from drawbar.machine.low_level.settings import PositionLoopSettings, ValveSettings
 
@@ -65,7 +65,7 @@ REFUSED = {
     "stuck": (np.zeros(len(TIMES)), "of the command"),
     "noise": (math.radians(2.0) * np.random.default_rng(0).standard_normal(len(TIMES)), "command"),
     "another motion": (math.radians(4.0) * np.sin(3.0 * TIMES), "explains|other side|gain|command"),
-    "nothing measured": (np.full(len(TIMES), math.nan), "0 samples"),
+    "nothing measured": (np.full(len(TIMES), math.nan), "samples: 0"),
 }
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from serpentine import serpentine
 
-from drawbar.machine.hardware.mounting_calibration import CurveDrive, antenna_place, mounting_roll
+from drawbar.machine.calibration.mounting import CurveDrive, antenna_place, mounting_roll
 
 
 def ways(

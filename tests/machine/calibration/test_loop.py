@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from steer_bench import Bench
 
-from drawbar.machine.hardware.loop_calibration import LoopDrive, loop_dead_band
+from drawbar.machine.calibration.loop import LoopDrive, loop_dead_band
 from drawbar.machine.stand_in.wheel import MotorWheel
 
 

@@ -1,4 +1,4 @@
-"""Calibration of what is mounted where: the roll sensor's zero from a two-way drive, antenna places from driving."""
+"""Mounting calibration: the roll sensor's zero from a two-way drive, antenna places from driving."""
 
 import math
 from collections.abc import Sequence
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from drawbar.geometry import Floats
-from drawbar.machine.hardware.calibrated import Calibrated, blocks, finite_columns
+from drawbar.machine.calibration.calibrated import Calibrated, blocks, finite_columns
 
 _LARGEST_BIAS = math.radians(10.0)
 _BLOCK = 10.0

@@ -6,7 +6,7 @@ order. The English text stays where the error is raised; a test compares both.
 
 from collections.abc import Mapping
 
-from drawbar.console.refusals_de import REFUSALS_DE
+from drawbar.console.language.refusals_de import REFUSALS_DE
 
 ERRORS_DE: Mapping[str, str] = {
     **REFUSALS_DE,
@@ -22,15 +22,15 @@ ERRORS_DE: Mapping[str, str] = {
         "Lage genauer als {0} m, durch die Umrechnung aus {1}",
     "waypoint {}": "Wegpunkt {0}",
     "polygon": "Fläche",
-    "line '{}' of {} point(s)": "Linie „{0}“ mit {1} Punkt(en)",
+    "line '{}' of fewer than {} different points": "Linie „{0}“ mit weniger als {1} verschiedenen Punkten",
     "{}: holds no field; a folder of AgOpenGPS, TASKDATA.XML, or .shp, .kml, .gpx, .geojson, .csv":
         "{0}: enthält kein Feld; möglich sind ein Ordner von AgOpenGPS, TASKDATA.XML, .shp, .kml, .gpx, .geojson, .csv",
     "{}: cannot be unpacked: {}; pack it again": "{0}: lässt sich nicht entpacken ({1}); neu packen",
     "{} cannot be the name of a file ({}); rename it": "{0} kann keine Datei heißen ({1}); umbenennen",
     "{}: holds more than {} files or {} MiB; pack the field alone":
         "{0}: enthält mehr als {1} Dateien oder {2} MiB; das Feld allein packen",
-    "{} has {} different point(s); it needs at least {}":
-        "{0} hat {1} verschiedene(n) Punkt(e); mindestens {2} sind nötig",
+    "{} has fewer than {} different points; draw it again":
+        "{0} hat weniger als {1} verschiedene Punkte; neu zeichnen",
     "{}, point {}: latitude {}, longitude {}; degrees within ±90 and ±180 are needed":
         "{0}, Punkt {1}: Breite {2}, Länge {3}; Grad innerhalb von ±90 und ±180 sind nötig",
     "{}: line '{}'": "{0}: Linie „{1}“",
@@ -42,7 +42,7 @@ ERRORS_DE: Mapping[str, str] = {
     "field {} has no line {}; its lines are: {}": "Feld {0} hat keine Linie {1}; seine Linien: {2}",
     "field {} holds neither a line nor a boundary; record or import one":
         "Feld {0} hat weder Linie noch Grenze; eine Linie aufzeichnen oder eine Datei importieren",
-    "{}: {} has {} cells; {} is needed": "{0}: {1} hat {2} Zellen; nötig ist {3}",
+    "{}: is {}; {} is needed": "{0}: ist {1}; nötig ist {2}",
     "{}: 'coordinates' is no list": "{0}: „coordinates“ ist keine Liste; Datei neu exportieren",
     "{}: 'coordinates' is no list of positions":
         "{0}: „coordinates“ ist keine Liste von Positionen; Datei neu exportieren",
@@ -102,12 +102,12 @@ ERRORS_DE: Mapping[str, str] = {
         "{0}:{1}: Linie {2} ist um {3} m verschoben; nur 0 ist fahrbar: in AgOpenGPS die Linie selbst verschieben",
     "{}:{}: the file ends inside line {}; export the field from AgOpenGPS again":
         "{0}:{1}: die Datei endet mitten in Linie {2}; das Feld neu aus AgOpenGPS exportieren",
-    "{}:{}: line {} announces {} points, but {} rows follow; export the field from AgOpenGPS again":
-        "{0}:{1}: Linie {2} kündigt {3} Punkte an, {4} Zeilen folgen; das Feld neu aus AgOpenGPS exportieren",
+    "{}:{}: line {} announces points: {}, but holds {}; export the field from AgOpenGPS again":
+        "{0}:{1}: Linie {2} kündigt Punkte an: {3}, enthält aber {4}; das Feld neu aus AgOpenGPS exportieren",
     "{}:{}: announces {} points; a whole number is allowed: export the field from AgOpenGPS again":
         "{0}:{1}: kündigt {2} Punkte an; erlaubt ist eine ganze Zahl: das Feld neu aus AgOpenGPS exportieren",
-    "{}:{}: announces {} points, but {} rows follow; export the field from AgOpenGPS again":
-        "{0}:{1}: kündigt {2} Punkte an, {3} Zeilen folgen; das Feld neu aus AgOpenGPS exportieren",
+    "{}:{}: announces {} points, but holds {}; export the field from AgOpenGPS again":
+        "{0}:{1}: kündigt {2} Punkte an, enthält aber {3}; das Feld neu aus AgOpenGPS exportieren",
     "{}: does not exist; give an AgOpenGPS field folder or a file of type {}":
         "{0}: gibt es nicht; den Ordner eines AgOpenGPS-Feldes oder eine Datei des Typs {1} wählen",
     "{}: is neither an AgOpenGPS field folder nor a file of type {}; give one of these (the console's fields page "
@@ -144,8 +144,8 @@ ERRORS_DE: Mapping[str, str] = {
     "{}: line {} jumps {} m to {} m; at most {} m are allowed between its neighbours: remove the faulty point":
         "{0}: Linie {1} springt {2} m weit nach {3} m; zwischen Nachbarn sind höchstens {4} m erlaubt: den falschen "
         "Punkt entfernen",
-    "{}: line {} has {} different point(s); it needs at least two that are more than {} mm apart":
-        "{0}: Linie {1} hat {2} verschiedene(n) Punkt(e); nötig sind zwei, die mehr als {3} mm auseinander liegen",
+    "{}: line {} has fewer than two different points; it needs at least two that are more than {} mm apart":
+        "{0}: Linie {1} hat keine zwei verschiedenen Punkte; nötig sind zwei, die mehr als {2} mm auseinander liegen",
     "{}: header {}; two columns are read, x (east) and y (north) in m: name them x,y in this order or remove the "
     "header; degrees belong in GeoJSON, or, for the console's import, under the header line,latitude,longitude":
         "{0}: Kopfzeile {1}; gelesen werden zwei Spalten, x (Ost) und y (Nord) in m: sie in dieser Reihenfolge x,y "
@@ -249,7 +249,8 @@ ERRORS_DE: Mapping[str, str] = {
         "Aufzeichnung {0}: ist keine Datei; eine serielle Leitung schreibt man serial:{1}@115200",
     "recording {}: cannot be read ({})": "Aufzeichnung {0}: nicht lesbar ({1})",
     # configuration
-    "{}: {} wrong value(s).": "{0}: {1} falsche(r) Wert(e).",
+    "{}: 1 wrong value.": "{0}: 1 falscher Wert.",
+    "{}: {} wrong values.": "{0}: {1} falsche Werte.",
     "{} with --set {}": "{0}",
     "  {}{}: {}.": "  {0}{1}: {2}.",
     "{}: is not valid TOML: {}.": "{0}: ist kein gültiges TOML ({1}).",

@@ -1,13 +1,10 @@
-"""`drawbar check` and `drawbar stand-in`: a machine's devices, listened to or stood in for."""
+"""`drawbar check`: a machine's devices listened to, their boards' memories written, and its steerings tried."""
 
-import tempfile
-from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drawbar.cli.options import ConfigurationName, Pace, agreed, changing, console
-from drawbar.configurations import CONFIGURATION_NAME
+from drawbar.cli.options import ConfigurationName, agreed, changing, configured_devices, console
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -16,12 +13,10 @@ if TYPE_CHECKING:
     from drawbar.driving.preparation.finding import Finding
     from drawbar.machine.hardware.devices import DeviceSettings
 
-Changes = Annotated[list[str] | None, changing("speed=0.8")]
-
 
 def check(
     configuration: ConfigurationName,
-    changes: Changes = None,
+    changes: Annotated[list[str] | None, changing("speed=0.8")] = None,
     seconds: Annotated[float, typer.Option(min=0.5, help="to listen to each device")] = 5.0,
     wiggle: Annotated[
         bool, typer.Option("--wiggle", help="then move each steering by 2° to both sides; asks twice before")
@@ -43,7 +38,7 @@ def check(
     from drawbar.driving.preparation import check as checking  # imports the extra
     from drawbar.driving.preparation.matching_settings import demand_matching_settings
 
-    config = _with_devices(configuration, changes)
+    config = configured_devices(configuration, changes)
     demand_matching_settings(config)
     assert config.devices is not None
     oldest = config.safety.engage.correction_age
@@ -113,75 +108,3 @@ def _wiggle(config: "Configuration") -> bool:
         keep_passed(config)
         console.print("the wiggle test is passed: `drawbar drive` may engage", style="green")
     return passed
-
-
-def _or_list(faults: list[str] | None) -> list[str] | None:
-    """Return the faults asked for; `list` prints what there is and ends the command, whatever else is given."""
-    from drawbar.machine.stand_in.faults import FAULTS, LIST
-
-    if LIST in (faults or []):
-        for name, each in FAULTS.items():
-            console.print(f"{name}: {each.text}", soft_wrap=True)
-        raise typer.Exit
-    return faults
-
-
-def stand_in(
-    configuration: ConfigurationName,
-    changes: Changes = None,
-    fault: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME[@20s]",
-            help="break something, so long after it has first been steered; list: what there is",
-            callback=_or_list,
-            is_eager=True,
-        ),
-    ] = None,
-    boards: Annotated[Literal["aio-v4", "aio-26"], typer.Option(help="firmware of the steer boards")] = "aio-v4",
-    pace: Pace = 1,
-) -> None:
-    """Be the machine: the simulated one behind the devices that the configuration names.
-
-    Receivers, boards, sensors, ISOBUS, and the caster of corrections where its host is this computer (127.0.0.1).
-    With --pace it is so many times as fast as real time, and so must be the drive.
-    """
-    from drawbar.driving.devices.pace import refuse_elsewhere
-    from drawbar.driving.messaging.process_options import ProcessOptions
-    from drawbar.driving.stand_in.stand_in_machine import Firmware
-    from drawbar.driving.stand_in.stand_in_main import serve
-    from drawbar.extras import require_extra
-    from drawbar.machine.stand_in.faults import planned_fault
-
-    require_extra("drawbar stand-in", "machine")
-    faults = [planned_fault(text) for text in fault or []]
-    config = _with_devices(configuration, changes)
-    assert config.devices is not None
-    refuse_elsewhere(config.devices, pace)
-    with tempfile.TemporaryDirectory(prefix="drawbar-") as folder:
-        file = FilePath(folder) / CONFIGURATION_NAME
-        file.write_text(config.to_toml(), "utf-8")
-        options = ProcessOptions(folder=folder, run=folder, configuration=str(file), pace=pace)
-        firmware = Firmware(boards)
-        raise SystemExit(
-            serve(
-                options,
-                faults,
-                lambda words: console.print(f"fault: {words}", soft_wrap=True),
-                firmware,
-                lambda: console.print("the simulated machine is there; end it by Ctrl-C"),
-            )
-        )
-
-
-def _with_devices(name: str, changes: list[str] | None) -> "Configuration":
-    from drawbar.config import load_configuration
-    from drawbar.errors import ConfigurationError
-
-    config = load_configuration(name, changes or [])
-    if config.devices is None:
-        raise ConfigurationError(
-            f"{name} names no devices; add a section [devices] (docs/driving.md), or try `drawbar drive`, which "
-            "stands in for all of them"
-        )
-    return config

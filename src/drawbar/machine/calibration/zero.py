@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from drawbar.geometry import Floats
-from drawbar.machine.hardware.calibrated import Calibrated, blocks, finite_columns, linear_fit
+from drawbar.machine.calibration.calibrated import Calibrated, blocks, finite_columns, linear_fit
 
 SLOW, FAST = 0.3, 3.0
 """m/s, between which a calibration is driven"""

@@ -1,4 +1,4 @@
-"""Calibration of a wheel-angle sensor's scale: counts to angle, by circles driven with the steering held."""
+"""Scale of a wheel-angle sensor: counts to angle, by circles driven with the steering held."""
 
 import math
 from collections.abc import Sequence
@@ -8,8 +8,8 @@ import numpy as np
 
 from drawbar.errors import ConfigurationError
 from drawbar.geometry import Floats
-from drawbar.machine.hardware.calibrated import Calibrated, blocks, finite_columns, linear_fit
-from drawbar.machine.hardware.sensor_calibration import BLOCK, SLOW
+from drawbar.machine.calibration.calibrated import Calibrated, blocks, finite_columns, linear_fit
+from drawbar.machine.calibration.zero import BLOCK, SLOW
 from drawbar.protocols.sensors import InductiveSensor
 
 Span = tuple[float, float]

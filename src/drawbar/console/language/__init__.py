@@ -1,0 +1,1 @@
+"""Language: what the console says, in English and German."""

@@ -1,0 +1,1 @@
+"""Calibration of sensors and steerings, from what was commanded and measured; it owns no device."""
