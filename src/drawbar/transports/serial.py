@@ -12,6 +12,10 @@ from drawbar.transports.clock import Clock
 
 RETRY = 1.0
 """between attempts to open the device, s"""
+LEAVING = 0.1
+"""for which a line that is closed is waited for until it has sent what it was given, s; the rest is dropped"""
+_LOOK = 0.001
+"""between two looks at what still waits, s"""
 PIECE = 65536
 
 
@@ -58,12 +62,22 @@ class SerialTransport(Transport):
         return taken == len(data)
 
     def close(self) -> None:
+        """Give the device back. What was sent leaves before, as the last word to an actuator must; see `LEAVING`."""
+        if self._port:
+            with contextlib.suppress(Exception):  # an unplugged device refuses whatever it is asked
+                end = time.monotonic() + LEAVING
+                while self._port.out_waiting and time.monotonic() < end:
+                    time.sleep(_LOOK)
+        self._give_back()
+
+    def _give_back(self) -> None:
         """Give the device back, at once: bytes that wait in the driver are dropped."""
         self.connected = False
         port, self._port = self._port, None
         if port:
-            with contextlib.suppress(Exception):  # an unplugged device refuses whatever it is asked
-                port.reset_output_buffer()
+            with contextlib.suppress(Exception):
+                if port.out_waiting:
+                    port.reset_output_buffer()
             with contextlib.suppress(Exception):
                 port.close()
 
@@ -101,7 +115,7 @@ class SerialTransport(Transport):
         return data
 
     def _lose(self, reason: str) -> None:
-        self.close()
+        self._give_back()
         self.trouble = f"{self.address.device} is lost: {reason}"
         self._opened = self._clock()
 
