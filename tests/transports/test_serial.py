@@ -3,6 +3,7 @@
 import errno
 import os
 import pty
+import select
 import termios
 import time
 import tty
@@ -135,6 +136,7 @@ def test_what_was_sent_last_leaves_before_the_line_is_closed(line: Line) -> None
     transport = open_transport(f"serial:{line.path}@115200")
     assert transport.write(b"$PDBD,0*32\r\n")
     transport.close()
+    assert select.select([line.far], [], [], 5.0)[0]
     assert read_all(line.far, 12) == b"$PDBD,0*32\r\n"
 
 
