@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+import serial
 from waiting import FakeClock, until
 
 from drawbar.transports.address import SerialAddress
@@ -165,6 +166,18 @@ def test_a_line_that_is_closed_is_waited_for_until_it_has_sent_all_but_not_for_l
     assert time.monotonic() - began < 1.0
     assert len(looks) >= 3
     assert bool(dropped) is (still > 3)
+
+
+def test_a_device_that_one_may_not_open_is_reported_with_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise serial.SerialException(errno.EACCES, "could not open port: Permission denied")
+
+    monkeypatch.setattr(serial, "Serial", refuse)
+    trouble = SerialTransport(SerialAddress(device="/dev/ttyUSB0", baud=115200), FakeClock()).trouble
+    assert trouble == (
+        "/dev/ttyUSB0 cannot be opened: you may not open it; add your user to its group (ls -l /dev/ttyUSB0; often "
+        "dialout), and log in again"
+    )
 
 
 def test_bytes_a_full_line_does_not_take_are_counted_and_dropped(line: Line) -> None:

@@ -1,6 +1,7 @@
 """Serial lines through pyserial, 8N1, opened for this program alone; an unplugged one is opened again by itself."""
 
 import contextlib
+import errno
 import os
 import select
 import time
@@ -89,7 +90,7 @@ class SerialTransport(Transport):
                 self.address.device, self.address.baud, timeout=0, write_timeout=0, exclusive=True
             )
         except Exception as error:  # pyserial lets termios.error through, of a device that goes meanwhile
-            self.trouble = f"{self.address.device} cannot be opened: {_reason(error)}"
+            self.trouble = f"{self.address.device} cannot be opened: {_reason(error, self.address.device)}"
             return
         self.connected, self.trouble = True, ""
         try:
@@ -120,11 +121,13 @@ class SerialTransport(Transport):
         self._opened = self._clock()
 
 
-def _reason(error: Exception) -> str:
+def _reason(error: Exception, device: str) -> str:
     """Return the system's message, without pyserial's words around it."""
     code = getattr(error, "errno", None) or next((each for each in error.args if isinstance(each, int)), None)
     if "exclusively lock" in str(error):
         return "another program has it open; stop that program"
     if "Could not configure port" in str(error):
         return "it is no serial line"
+    if code == errno.EACCES:
+        return f"you may not open it; add your user to its group (ls -l {device}; often dialout), and log in again"
     return os.strerror(code) if code else str(error)
