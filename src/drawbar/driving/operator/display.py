@@ -61,6 +61,8 @@ MEANINGS = {
     SupervisorState.ESTOP: "emergency stop; acknowledge to continue",
 }
 """of each state, in words"""
+_ACTUATORS = ("front wheels", "joint", "speed")
+"""by their bits in GateState.engaged"""
 KEYS = "e engage   space stop   r release   x emergency\na acknowledge   + - speed   q quit"
 
 
@@ -84,7 +86,7 @@ def headline(state: GateState, controller: ControllerState | None = None) -> Tex
     style = next((style for states, style in known.items() if state.state in states), "")
     text = Text(f"{state.state.name}: {MEANINGS[state.state]}", style=style)
     if state.cause:
-        text.append(f" ({_led(BY_CODE[state.cause], controller)})")
+        text.append(f" ({_led(BY_CODE[state.cause], controller)}{of_actuators(state.concerned)})")
     if math.isfinite(state.remaining):
         text.append(f", {state.remaining:.0f} s left")
     return text
@@ -95,6 +97,12 @@ def _led(cause: Cause, controller: ControllerState | None) -> str:
     if cause is not Cause.CONTROLLER_STOPS or controller is None or not Status(controller.status).has_ended:
         return cause.sentence
     return f"{cause.sentence}: {Status(controller.status).text}"
+
+
+def of_actuators(bits: int) -> str:
+    """Return which actuators something is of, by bits of GateState.engaged, to be put behind it."""
+    names = [name for bit, name in enumerate(_ACTUATORS) if bits >> bit & 1]
+    return f": {', '.join(names)}" if names else ""
 
 
 def is_beside_line(state: GateState | None, controller: ControllerState | None) -> bool:
