@@ -1,8 +1,10 @@
 """`drawbar console` and the ports of `drawbar drive`: what is told before anything is started."""
 
 import socket
+import subprocess
 import sys
 import tempfile
+from types import SimpleNamespace
 
 import pytest
 from typer.testing import CliRunner
@@ -48,8 +50,27 @@ def test_a_console_joins_no_drive_that_was_killed(stale):
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as gate:
         (stale / "gate").unlink()
         gate.bind(str(stale / "gate"))
-        (stale / "console").touch()
-        assert refusal("console") == f"the drive in {stale} has a console already; open that one, or end it"
+        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as other:
+            other.bind(str(stale / "console"))
+            assert refusal("console") == f"the drive in {stale} has a console already; open that one, or end it"
+
+
+def test_a_console_takes_the_place_of_one_that_was_killed(stale, monkeypatch):
+    begun = []
+
+    def run(*_, **__):
+        begun.append((stale / "console").exists())
+        return SimpleNamespace(returncode=0)
+
+    monkeypatch.setattr(subprocess, "run", run)
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as gate:
+        (stale / "gate").unlink()
+        gate.bind(str(stale / "gate"))
+        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as killed:
+            killed.bind(str(stale / "console"))
+        result = CliRunner().invoke(app, ["console", "--port", "0"])
+    assert result.exit_code == 0
+    assert begun == [False]
 
 
 @pytest.mark.parametrize("option", [["--console", "--port"], ["--live", "--live-port"]])

@@ -9,6 +9,7 @@ import pytest
 pytest.importorskip("nicegui", reason="the extra `console` is not installed")
 pytest.importorskip("shapefile", reason="the extra `console` is not installed")
 
+from certificates import certificate
 from console_stage import HOST, Stage, client_id, console
 from nicegui import core, ui
 
@@ -294,14 +295,31 @@ def test_bad_names_and_short_passwords_are_not_saved(tmp_path, name, password):
 
 @pytest.mark.parametrize("host", ["0.0.0.0", "::", "192.168.5.10"])
 def test_others_reach_it_only_with_tls_and_passwords(tmp_path, host):
+    _, file = certificate(tmp_path)
+    (tmp_path / "users").touch()
     given = {}
-    for name in ("certificate", "key", "passwords"):
+    for name, path in (("certificate", file), ("key", tmp_path / "key.pem"), ("passwords", tmp_path / "users")):
         with pytest.raises(ConfigurationError, match=name):
             ConsoleOptions(folder="", configuration="", host=host, **given).check()
-        (tmp_path / name).touch()
-        given[name] = str(tmp_path / name)
+        given[name] = str(path)
     ConsoleOptions(folder="", configuration="", host=host, **given).check()
     assert ConsoleOptions(folder="", configuration="").host == "127.0.0.1"
+
+
+def test_an_audit_log_that_cannot_be_written_is_refused(tmp_path):
+    with pytest.raises(ConfigurationError, match=r"--audit .*: cannot be written \(No such file or directory\)"):
+        ConsoleOptions(folder="", configuration="", audit=str(tmp_path / "missing" / "audit.jsonl")).check()
+    ConsoleOptions(folder="", configuration="", audit=str(tmp_path / "audit.jsonl")).check()
+
+
+def test_a_certificate_and_a_key_that_are_no_pair_are_refused(tmp_path):
+    _, file = certificate(tmp_path)
+    (tmp_path / "another").mkdir()
+    certificate(tmp_path / "another")
+    for given in ((tmp_path / "key.pem", file), (file, tmp_path / "another" / "key.pem"), (file, file)):
+        chosen = dict(zip(("certificate", "key"), map(str, given), strict=True))
+        with pytest.raises(ConfigurationError, match=r"no certificate and its own key .* are they exchanged\?"):
+            ConsoleOptions(folder="", configuration="", **chosen).check()
 
 
 def test_each_page_belongs_to_the_browser_that_opened_it():

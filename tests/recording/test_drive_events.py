@@ -1,5 +1,6 @@
 """Events of a drive, from its log; in words of the report, of the terminal and of the log's outcome."""
 
+import dataclasses
 import sys
 from dataclasses import replace
 from types import SimpleNamespace
@@ -211,6 +212,17 @@ def test_the_report_of_a_drive_says_what_happened(log_of, tmp_path):
     write_report(tmp_path)
     page = (tmp_path / "report.html").read_text("utf-8")
     assert f"<td>FAULT: {Cause.STEERING_STUCK.sentence}</td><td>{Cause.STEERING_STUCK.advice}</td>" in page
+
+
+@pytest.mark.parametrize(
+    ("bits", "names"), [(1, ": front wheels"), (2, ": joint"), (7, ": front wheels, joint, speed"), (0, "")]
+)
+def test_report_and_terminal_name_the_actuators_that_reported_the_cause(log_of, tmp_path, bits, names):
+    state = dataclasses.replace(gate_of(SupervisorState.FAULT, Cause.SILENT), concerned=bits)
+    log_of(state)
+    write_report(tmp_path)
+    assert f"<td>FAULT: {Cause.SILENT.sentence}{names}</td>" in (tmp_path / "report.html").read_text("utf-8")
+    assert f"({Cause.SILENT.sentence}{names})" in headline(state).plain
 
 
 def test_the_terminal_says_how_the_controllers_run_has_ended():

@@ -3,12 +3,15 @@
 import errno
 import os
 import pty
+import select
 import termios
+import time
 import tty
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+import serial
 from waiting import FakeClock, until
 
 from drawbar.transports.address import SerialAddress
@@ -128,6 +131,53 @@ def test_device_that_is_not_there_is_reported_and_tried_again(tmp_path: Path) ->
 def test_what_is_no_serial_line_is_reported() -> None:
     transport = SerialTransport(SerialAddress(device="/dev/null", baud=115200), FakeClock())
     assert transport.trouble == "/dev/null cannot be opened: it is no serial line"
+
+
+def test_what_was_sent_last_leaves_before_the_line_is_closed(line: Line) -> None:
+    transport = open_transport(f"serial:{line.path}@115200")
+    assert transport.write(b"$PDBD,0*32\r\n")
+    transport.close()
+    assert select.select([line.far], [], [], 5.0)[0]
+    assert read_all(line.far, 12) == b"$PDBD,0*32\r\n"
+
+
+@pytest.mark.parametrize("still", [3, 10**9])
+def test_a_line_that_is_closed_is_waited_for_until_it_has_sent_all_but_not_for_long(line: Line, still: int) -> None:
+    transport, looks, dropped = SerialTransport(SerialAddress(device=str(line.path), baud=115200)), [], []
+    port = transport._port
+
+    class Port:
+        """The port, of which bytes leave slowly."""
+
+        @property
+        def out_waiting(self) -> int:
+            looks.append(1)
+            return max(0, still - len(looks))
+
+        def reset_output_buffer(self) -> None:
+            dropped.append(1)
+
+        def close(self) -> None:
+            port.close()
+
+    transport._port = Port()
+    began = time.monotonic()
+    transport.close()
+    assert time.monotonic() - began < 1.0
+    assert len(looks) >= 3
+    assert bool(dropped) is (still > 3)
+
+
+def test_a_device_that_one_may_not_open_is_reported_with_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise serial.SerialException(errno.EACCES, "could not open port: Permission denied")
+
+    monkeypatch.setattr(serial, "Serial", refuse)
+    trouble = SerialTransport(SerialAddress(device="/dev/ttyUSB0", baud=115200), FakeClock()).trouble
+    assert trouble == (
+        "/dev/ttyUSB0 cannot be opened: you may not open it; add your user to its group (ls -l /dev/ttyUSB0; often "
+        "dialout), and log in again"
+    )
 
 
 def test_bytes_a_full_line_does_not_take_are_counted_and_dropped(line: Line) -> None:

@@ -87,9 +87,10 @@ def _wiggle(config: "Configuration") -> bool:
     from drawbar.driving.preparation.wiggle_record import forget_passed, keep_passed
 
     console.print(
-        "The wiggle test turns the front wheels, then the joint, by 2° to the left first, to the right and back: watch "
-        "whether they do, since a sensor and a motor that are both the wrong way round pass, and so do boards that are "
-        "exchanged. Roll straight ahead at "
+        "The wiggle test turns the front wheels, then the joint, by 2° to the left first, to the right and back (a "
+        "joint turns to the left where the drawbar then points to the left of the trailer): watch whether they do, "
+        "since a sensor and a motor that are both the wrong way round pass, and so do boards that are exchanged. Roll "
+        "straight ahead at "
         f"{SLOWEST} to {FASTEST} m/s, somebody on the seat, nobody near the machine; it begins once the vehicle rolls, "
         f"within {ROLLS:.0f} s. Ctrl-C ends it."
     )

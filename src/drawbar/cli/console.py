@@ -20,16 +20,16 @@ def console(
     pages: Pages,
 ) -> None:
     """Serve the operator's pages for a drive that is on already; `drawbar drive --console` does both."""
-    from drawbar.driving.messaging.process_options import CONSOLE, OPTIONS_NAME, ProcessOptions
+    from drawbar.driving.messaging.process_options import CONSOLE, GATE, OPTIONS_NAME, ProcessOptions
 
     folder = drive or _newest_drive()
     try:
         known = ProcessOptions.model_validate_json((folder / OPTIONS_NAME).read_text("utf-8"))
     except (OSError, ValueError):
         known = None
-    if known is None or not _is_on(folder):
+    if known is None or not _is_bound(folder / GATE):
         raise HardwareError(f"{folder} is not the folder of a drive that is on; start one with drawbar drive")
-    if Path(known.socket(CONSOLE)).exists():
+    if _is_bound(Path(known.socket(CONSOLE))):
         raise HardwareError(f"the drive in {folder} has a console already; open that one, or end it")
     if known.pace != 1:
         raise HardwareError(f"the drive in {folder} has --pace {known.pace}; the console shows drives in real time")
@@ -39,6 +39,7 @@ def console(
         runs=str(Path(known.run).parent),
         stand_ins=known.stand_ins,
     )
+    Path(known.socket(CONSOLE)).unlink(missing_ok=True)  # of a console that was killed
     terminal.print(f"the console is at {address(options)}; Ctrl-C ends it, and not the drive", soft_wrap=True)
     try:
         code = subprocess.run(
@@ -70,25 +71,23 @@ def console_user(
     terminal.print(f"{file}: {name} is {rank}; a running console knows it after its next start")
 
 
-def _is_on(folder: Path) -> bool:
-    """Return whether the gate of the drive in a folder is there; a drive that was killed leaves its folder."""
+def _is_bound(path: Path) -> bool:
+    """Return whether a process has the socket of this path; one that was killed leaves the path."""
     import socket
-
-    from drawbar.driving.messaging.process_options import GATE
 
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as each:
         try:
-            each.connect(str(folder / GATE))
+            each.connect(str(path))
         except OSError:
             return False
     return True
 
 
 def _newest_drive() -> Path:
-    from drawbar.driving.messaging.process_options import OPTIONS_NAME
+    from drawbar.driving.messaging.process_options import GATE, OPTIONS_NAME
 
     written = Path(tempfile.gettempdir()).glob(f"drawbar-*/{OPTIONS_NAME}")
-    found = [each for each in written if each.is_file() and _is_on(each.parent)]
+    found = [each for each in written if each.is_file() and _is_bound(each.parent / GATE)]
     if not found:
         raise HardwareError("no drive is on; start one with drawbar drive --console")
     return max(found, key=lambda each: each.stat().st_mtime).parent

@@ -64,7 +64,9 @@ def _became(event: Became, words: Words) -> str:
         return words("drive_ended")
     text = words(event.state.name)
     if event.cause is not None:
-        text += ". " + words("because", cause=words.led(event.cause, event.status))
+        text += ". " + words(
+            "because", cause=words.led(event.cause, event.status) + words.of_actuators(event.concerned)
+        )
     return text
 
 

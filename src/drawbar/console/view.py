@@ -140,7 +140,8 @@ def _no_contact(words: Words) -> Dashboard:
 def _detail(gate: GateState, words: Words, status: Status | None) -> str:
     parts = []
     if gate.cause and gate.state is not SupervisorState.READY:
-        parts.append(words("because", cause=words.led(BY_CODE[gate.cause], status)))
+        cause = words.led(BY_CODE[gate.cause], status) + words.of_actuators(gate.concerned)
+        parts.append(words("because", cause=cause))
     if math.isfinite(gate.remaining):
         parts.append(words("seconds_left", seconds=math.ceil(gate.remaining)))
     return " · ".join(parts)

@@ -91,3 +91,5 @@ class GateState(Message):
     """other records and frames that were refused, since the start"""
     line: Signed = 0
     """the operator's choice of the line: so many working widths to the left of the configured one"""
+    concerned: Byte = 0
+    """which actuators reported the cause of this state, as bits of `engaged`; 0: none of them did"""

@@ -29,6 +29,8 @@ class Became:
     """that led to it"""
     status: Status | None = None
     """with which the controller's run has ended, where that is the cause"""
+    concerned: int = 0
+    """which actuators reported the cause, as bits of GateState.engaged"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,6 +88,7 @@ class _Gate(msgspec.Struct):
     refusals: list[int]
     answer: int = 0
     answered: int = 0
+    concerned: int = 0
 
     @property
     def objections(self) -> list[Cause]:
@@ -234,4 +237,4 @@ def _became(time: float, now: _Gate, status: Status) -> Became:
     if state is SupervisorState.READY:
         cause = None
     ended = cause is Cause.CONTROLLER_STOPS and status.has_ended
-    return Became(time=time, state=state, cause=cause, status=status if ended else None)
+    return Became(time=time, state=state, cause=cause, status=status if ended else None, concerned=now.concerned)

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator, Sequence
 
-from drawbar.driving.operator.display import MEANINGS
+from drawbar.driving.operator.display import MEANINGS, of_actuators
 from drawbar.messages import Action
 from drawbar.recording.drive_events import Asked, Became, DriveEvent, Noticed, Refused
 from drawbar.report.tables import Row
@@ -35,7 +35,7 @@ def _described(event: DriveEvent) -> Iterator[str]:
         yield ""
     elif isinstance(event, Became):
         cause = event.cause
-        because = [MEANINGS[event.state] if cause is None else cause.sentence]
+        because = [MEANINGS[event.state] if cause is None else f"{cause.sentence}{of_actuators(event.concerned)}"]
         yield ": ".join([event.state.name, *because, *([event.status.text] if event.status is not None else [])])
         yield "" if cause is None else cause.advice
     elif isinstance(event, Asked):

@@ -199,7 +199,7 @@ class Cause(Enum):
     BUDGET = (605, False, Response.NONE, "it has been driven degraded for as long as allowed",
         "see what degraded it; engage again when it is gone")
     OPERATOR_STEERS = (606, False, Response.NONE, "the operator took over",
-        "acknowledge, then engage again when ready")
+        "acknowledge, then engage again when ready; where nobody did, the actuator has restarted: check its power")
     OPERATOR_STOPS = (607, False, Response.NONE, "the operator asked for a stop",
         "acknowledge when standing")
     OPERATOR_RELEASES = (608, False, Response.NONE, "the operator asked to release the steering",

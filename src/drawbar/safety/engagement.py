@@ -6,6 +6,7 @@ leaves its line; such an end is one of many causes here (CONTROLLER_STOPS).
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum, auto
 
@@ -85,6 +86,10 @@ def transition(state: SupervisorState, event: Event) -> SupervisorState:
     return TABLE[state].get(event, state)
 
 
+def _no_actuator(_: Cause | None) -> int:
+    return 0
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Situation:
     """What an update goes by."""
@@ -99,6 +104,8 @@ class Situation:
     """all actuators report that they steer, and the controller drives"""
     standing: bool = False
     """the vehicle stands for certain"""
+    concerned: Callable[[Cause | None], int] = _no_actuator
+    """which actuators report a cause, as bits of GateState.engaged"""
 
 
 class Engagement:
@@ -113,6 +120,8 @@ class Engagement:
         """monotonic time of entering the state, s"""
         self.cause: Cause | None = None
         """what led to the state"""
+        self.concerned = 0
+        """which actuators reported it, as bits of GateState.engaged"""
         self.emergency_tried = False
         self._armed = -math.inf
         self._unmet = self._degraded = self._moved = -math.inf
@@ -169,10 +178,12 @@ class Engagement:
     def update(self, time: float, situation: Situation) -> SupervisorState:
         """Take in what is so at a time, s, which never decreases; return the state from now on."""
         self._remember(time, situation)
-        events = self._events(time, situation)
+        events, before = self._events(time, situation), self.state
         for event in Event:
             if event in events:
                 self._enter(transition(self.state, event), time, events[event])
+        if self.state is not before:
+            self.concerned = situation.concerned(self.cause)
         self.emergency_tried |= Action.EMERGENCY in situation.actions
         return self.state
 

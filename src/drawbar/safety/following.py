@@ -21,7 +21,7 @@ from statistics import fmean
 
 from drawbar.safety.settings import DriveSettings
 
-_LONG, _NEAR, _REST = 4.0, 2.0 / 3.0, 0.2
+_LONG, NEAR, _REST = 4.0, 2.0 / 3.0, 0.2
 """time, distance and movement of a stuck steering near its set point, as shares of those in the settings; that distance
 is also the bound of the offset"""
 _SIDE = math.radians(1.0)
@@ -73,12 +73,12 @@ class Following:
         """Update the offset while it moves away from a set point that is on one side of it all the time."""
         time, apart, move = self._settings.stuck_time, self._settings.stuck_angle, self._settings.stuck_move
         if self._moved(time, 0.0)[0] <= -move and self._moved(_LATEST, 0.0)[0] < 0.0:
-            self._offset = min(fmean(abs(gap) for _, gap, _ in self._window(time)), _NEAR * apart)
+            self._offset = min(fmean(abs(gap) for _, gap, _ in self._window(time)), NEAR * apart)
 
     def _rests(self) -> bool:
         """Return whether it hardly moved far from its set point, or rested near it for longer."""
         time, apart, move = self._settings.stuck_time, self._settings.stuck_angle, self._settings.stuck_move
-        far, near = apart + self._offset, _NEAR * apart + self._offset
+        far, near = apart + self._offset, NEAR * apart + self._offset
         still = self._moved(time, far)[0] < move or self._stays(time, far, move)
         return (
             still or self._stays(time, far, _REST * move, early=True) or self._stays(_LONG * time, near, _REST * move)

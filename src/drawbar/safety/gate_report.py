@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 from drawbar.messages import GateState, SupervisorState
 from drawbar.nanoseconds import nanoseconds
-from drawbar.protocols.actuator import SteeringReport
+from drawbar.protocols.actuator import Readiness, SteeringReport
 from drawbar.protocols.speed_actuator import SpeedReport
-from drawbar.safety.causes import Cause, Response
+from drawbar.safety.causes import BY_READINESS, Cause, Response
 from drawbar.safety.engagement import ENGAGING, STOPPING, Engagement
 from drawbar.safety.operator_requests import OperatorRequests
 
@@ -51,6 +51,11 @@ class Actuation:
         """Which actuators report that they do as asked, as bits of GateState.engaged."""
         reports = (self.tractor, self.trailer, self.speed)
         return sum(1 << bit for bit, report in enumerate(reports) if report is not None and report.engaged)
+
+    def concerned(self, cause: Cause | None) -> int:
+        """Return which actuators report this cause, as bits of GateState.engaged."""
+        reports = (self.tractor, self.trailer, self.speed)
+        return sum(1 << bit for bit, report in enumerate(reports) if report is not None and _is_of(cause, report))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -117,6 +122,7 @@ def gate_state(
         rejects=counts.rejects % COUNTS,
         dropped=counts.dropped % COUNTS,
         line=requests.line,
+        concerned=engagement.concerned,
     )
 
 
@@ -141,6 +147,14 @@ def _refusals(engagement: Engagement, causes: Sequence[Cause]) -> tuple[int, ...
     driving = engagement.steers and engagement.state is not ENGAGING
     codes = [cause.value for cause in causes if (cause.response is not Response.NONE if driving else cause.refuses)]
     return (*codes, *[0] * REFUSALS)[:REFUSALS]
+
+
+def _is_of(cause: Cause | None, report: SteeringReport | SpeedReport) -> bool:
+    if cause in (Cause.OPERATOR_STEERS, Cause.OVERRIDDEN):
+        return report.overridden
+    if cause is Cause.ACTUATOR_RELEASED:
+        return not report.engaged
+    return report.readiness is not Readiness.READY and BY_READINESS[report.readiness] is cause
 
 
 def _code(cause: Cause | None) -> int:

@@ -145,8 +145,7 @@ class Gate:
     def _causes(self, now: float, actuation: Actuation) -> tuple[Cause, ...]:
         reports = actuation.reports
         lost = any(index in self._taken and not report.engaged for index, report in enumerate(self._asked(actuation)))
-        readiness = tuple(report.readiness for report in reports)
-        seen = self.watch.observe(now, self.engagement.state, actuation.bodies, readiness)
+        seen = self.watch.observe(now, self.engagement.state, actuation.bodies, tuple(r.readiness for r in reports))
         observation = replace(
             seen,
             clips=self._clips_in_a_row,
@@ -180,6 +179,7 @@ class Gate:
             overridden=any(report.overridden for report in reports),
             taken=all(report.engaged for report in reports) and self.watch.mode is Mode.DRIVE,
             standing=self.watch.speeds.stands(now, self._settings.drive.standing),
+            concerned=actuation.concerned,
         )
 
     @property

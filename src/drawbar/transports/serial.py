@@ -1,6 +1,7 @@
 """Serial lines through pyserial, 8N1, opened for this program alone; an unplugged one is opened again by itself."""
 
 import contextlib
+import errno
 import os
 import select
 import time
@@ -12,6 +13,10 @@ from drawbar.transports.clock import Clock
 
 RETRY = 1.0
 """between attempts to open the device, s"""
+LEAVING = 0.1
+"""for which a line that is closed is waited for until it has sent what it was given, s; the rest is dropped"""
+_LOOK = 0.001
+"""between two looks at what still waits, s"""
 PIECE = 65536
 
 
@@ -58,12 +63,22 @@ class SerialTransport(Transport):
         return taken == len(data)
 
     def close(self) -> None:
+        """Give the device back. What was sent leaves before, as the last word to an actuator must; see `LEAVING`."""
+        if self._port:
+            with contextlib.suppress(Exception):  # an unplugged device refuses whatever it is asked
+                end = time.monotonic() + LEAVING
+                while self._port.out_waiting and time.monotonic() < end:
+                    time.sleep(_LOOK)
+        self._give_back()
+
+    def _give_back(self) -> None:
         """Give the device back, at once: bytes that wait in the driver are dropped."""
         self.connected = False
         port, self._port = self._port, None
         if port:
-            with contextlib.suppress(Exception):  # an unplugged device refuses whatever it is asked
-                port.reset_output_buffer()
+            with contextlib.suppress(Exception):
+                if port.out_waiting:
+                    port.reset_output_buffer()
             with contextlib.suppress(Exception):
                 port.close()
 
@@ -75,7 +90,7 @@ class SerialTransport(Transport):
                 self.address.device, self.address.baud, timeout=0, write_timeout=0, exclusive=True
             )
         except Exception as error:  # pyserial lets termios.error through, of a device that goes meanwhile
-            self.trouble = f"{self.address.device} cannot be opened: {_reason(error)}"
+            self.trouble = f"{self.address.device} cannot be opened: {_reason(error, self.address.device)}"
             return
         self.connected, self.trouble = True, ""
         try:
@@ -101,16 +116,18 @@ class SerialTransport(Transport):
         return data
 
     def _lose(self, reason: str) -> None:
-        self.close()
+        self._give_back()
         self.trouble = f"{self.address.device} is lost: {reason}"
         self._opened = self._clock()
 
 
-def _reason(error: Exception) -> str:
+def _reason(error: Exception, device: str) -> str:
     """Return the system's message, without pyserial's words around it."""
     code = getattr(error, "errno", None) or next((each for each in error.args if isinstance(each, int)), None)
     if "exclusively lock" in str(error):
         return "another program has it open; stop that program"
     if "Could not configure port" in str(error):
         return "it is no serial line"
+    if code == errno.EACCES:
+        return f"you may not open it; add your user to its group (ls -l {device}; often dialout), and log in again"
     return os.strerror(code) if code else str(error)

@@ -123,6 +123,21 @@ def test_of_a_receiver_that_is_lacking_only_that_is_said(lacking):
     assert set(follows) <= set(refusals(state, controller_of(Status.OK)))
 
 
+def test_who_only_looks_on_is_told_of_no_trial_before_steering_and_of_no_cable_where_boards_report_no_angle():
+    angles = (Cause.STEERING_OLD, Cause.STEERING_LOST, Cause.STEERING_APART)
+    causes = (*angles, Cause.SHADOW, Cause.EMERGENCY_UNTRIED, Cause.WIGGLE_UNTRIED)
+    refused = (*(cause.value for cause in causes), 0, 0)
+    reported = dataclasses.replace(
+        ready_gate(1), state=SupervisorState.STANDBY, refusals=refused, tractor_angle_time=7, trailer_angle_time=7
+    )
+    never = dataclasses.replace(reported, trailer_angle_time=0)
+    steers = dataclasses.replace(never, refusals=tuple(0 if code == Cause.SHADOW.value else code for code in refused))
+    heard = controller_of(Status.OK)
+    assert refusals(never, heard) == [Cause.SHADOW]
+    assert refusals(reported, heard) == [*angles, Cause.SHADOW]
+    assert refusals(steers, heard) == [cause for cause in causes if cause is not Cause.SHADOW]
+
+
 def test_the_display_says_why_a_key_was_refused():
     assert Cause.OUT_OF_RANGE.sentence in picture(None, None, Cause.OUT_OF_RANGE).plain
 

@@ -1,6 +1,7 @@
 """`drawbar check` finds boards by their answers to a scan: real sockets on loopback."""
 
 import socket
+import struct
 import threading
 import time
 from contextlib import contextmanager
@@ -20,6 +21,7 @@ from drawbar.machine.stand_in.aio_v4 import AioV4
 from drawbar.machine.stand_in.wheel import HeldWheel
 from drawbar.protocols.agopengps.frame import STEER_BOARD, pack
 from drawbar.protocols.agopengps.network import SCAN
+from drawbar.protocols.agopengps.steer_board import SET_POINT
 from drawbar.transports.udp import KNOWN_PORTS
 
 NOWHERE = "127.0.0.1:1"
@@ -115,6 +117,37 @@ def test_a_board_that_hears_this_computer_from_another_network_is_reported(liste
         "hears this computer from 192.168.1.*: give this computer's network card an address in 192.168.5.*" in problem
         for problem in findings["tractor board"].problems
     )
+
+
+@contextmanager
+def answering_twice(angles):
+    """Answer each set point as boards do that have one address, with these angles, 0.01°; yield host and port."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line:
+        line.bind(("127.0.0.1", 0))
+        line.settimeout(0.2)
+        stop = threading.Event()
+
+        def run():
+            while not stop.is_set():
+                try:
+                    data, computer = line.recvfrom(100)
+                except TimeoutError:
+                    continue
+                for angle in angles if data[:4] == SET_POINT else ():
+                    line.sendto(pack(STEER_BOARD, 253, struct.pack("<hhhBB", angle, 9999, 8888, 7, 0)), computer)
+
+        thread = threading.Thread(target=run)
+        thread.start()
+        yield line.getsockname()
+        stop.set()
+        thread.join()
+
+
+@pytest.mark.parametrize(("angles", "found"), [((-150, 100), True), ((0, 1200), True), ((0, 0), False), ((0,), False)])
+def test_two_boards_that_answer_from_one_address_are_reported(angles, found, listen):
+    with answering_twice(angles) as address:
+        finding = check.listen_to_board("tractor board", settings(address, listen), 1.5)
+    assert any("two boards answer from its address" in problem for problem in finding.problems) is found
 
 
 def test_a_computer_without_boards_scans_nothing(monkeypatch):

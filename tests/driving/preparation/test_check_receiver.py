@@ -246,6 +246,39 @@ def test_roll_and_yaw_rate_are_reported_in_degrees(monkeypatch, side):
     assert f"yaw rate {side * 3.0:.1f}°/s" in facts
 
 
+def test_a_receiver_whose_time_stands_still_is_reported(monkeypatch):
+    line = MemoryTransport()
+
+    def polls(*_):
+        for step in range(20):
+            report = Report(time=BEGIN, latitude=50.0, longitude=4.0, height=0.0, speed=float(step))
+            line.arrive(10.0 + 0.2 * step, nmea.gga(report))
+            yield from (10.0 + 0.2 * step, 10.1 + 0.2 * step)
+
+    monkeypatch.setattr(check_receiver, "open_transport", lambda _: line)
+    monkeypatch.setattr(check_receiver, "poll_times", polls)
+    settings, frame = ReceiverSettings(transport="file:memory"), LocalFrame(latitude=50.0, longitude=4.0)
+    finding = check_receiver.check_receiver("tractor receiver", settings, frame, 4.0, 0.2, None, oldest=5.0)
+    assert "its time stands still: it has repeated an epoch 19 times" in finding.problems[0]
+    assert math.isnan(finding.clock)
+
+
+def test_a_receiver_that_sends_corrections_alone_is_not_silent(monkeypatch):
+    rtcm = bytes.fromhex("d300133ed7d30202980edeef34b4bd62ac0941986f33360b98")
+    finding = finding_of(monkeypatch, lambda *_: rtcm)
+    assert not finding.received
+    assert finding.problems[0].startswith(
+        "something comes, but nothing that is understood (125 × byte of messages without a position): check the baud"
+    )
+
+
+def test_no_deviation_is_reported_without_a_fix(monkeypatch):
+    def told(step, time):
+        return nmea.gga(Report(time=time, latitude=50.0, longitude=4.0, height=0.0, quality=FixQuality.NONE))
+
+    assert "fix none" in finding_of(monkeypatch, told).facts
+
+
 def test_what_is_not_measured_is_not_reported(monkeypatch):
     assert not any("roll" in fact or "yaw" in fact for fact in facts_of(monkeypatch))
 

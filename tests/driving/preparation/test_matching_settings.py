@@ -40,6 +40,53 @@ def test_each_contradiction_is_refused_with_both_settings_and_why(change):
         assert line.startswith(expected)
 
 
+BOARDS = """
+[devices]
+tractor_receiver = { transport = "udp://127.0.0.1:1" }
+trailer_receiver = { transport = "udp://127.0.0.1:2" }
+tractor_board = { address = "127.0.5.126", max_angle = 0.52 }
+trailer_board = { address = "127.0.6.126", max_angle = 0.35 }
+"""
+VALVES = """
+[devices]
+tractor_receiver = { transport = "udp://127.0.0.1:1" }
+trailer_receiver = { transport = "udp://127.0.0.1:2" }
+[devices.isobus]
+bus = "can:virtual:matching"
+name = { identity = 1 }
+tractor_valve = { wheelbase = 1.4, address = 38 }
+trailer_valve = { curvature = [[-0.35, -0.2], [0.4, 0.2]], address = 39 }
+"""
+DEVICES = {
+    (BOARDS, "max_angle = 0.35", "max_angle = 0.3"): "vehicle.trailer_steering_limit = 0.3491 rad (20°) is beyond "
+    "devices.trailer_board.max_angle, which reaches 0.3 rad (17.2°): a steering that stays more than 0.04072 rad",
+    (BOARDS, "max_angle = 0.52", "max_angle = 0.052"): "vehicle.tractor_steering_limit = 0.5236 rad (30°) is beyond "
+    "devices.tractor_board.max_angle, which reaches 0.052 rad (2.98°)",
+    (VALVES, "-0.35, -0.2", "-0.349, -0.2"): "vehicle.trailer_steering_limit = 0.3491 rad (20°) is beyond "
+    "devices.isobus.trailer_valve.curvature, which reaches 0.349 rad (20°): beyond its table nothing is commanded",
+    (VALVES, "wheelbase = 1.4", "wheelbase = 2.8"): "devices.isobus.tractor_valve.wheelbase = 2.8 m is not "
+    "vehicle.wheelbase = 1.4 m: the wheels would turn by other angles than are commanded",
+}
+
+
+def on_devices(devices, tmp_path):
+    mine = tmp_path / "my.toml"
+    mine.write_text(f'extends = "articulated"\n{devices}', "utf-8")
+    return load_configuration(str(mine))
+
+
+@pytest.mark.parametrize("devices", [BOARDS, VALVES, VALVES.replace("wheelbase = 1.4", "wheelbase = 1.5")])
+def test_devices_that_reach_the_limits_match(devices, tmp_path):
+    demand_matching_settings(on_devices(devices, tmp_path))
+
+
+@pytest.mark.parametrize(("devices", "right", "wrong"), list(DEVICES))
+def test_devices_that_do_not_reach_the_limits_are_refused(devices, right, wrong, tmp_path):
+    with pytest.raises(ConfigurationError) as refused:
+        demand_matching_settings(on_devices(devices.replace(right, wrong), tmp_path))
+    assert str(refused.value).startswith(DEVICES[devices, right, wrong])
+
+
 def test_equal_limits_match():
     equal = ["speed=2.0", "safety.envelope.speed=2.0", "safety.engage.lateral_deviation=0.08"]
     demand_matching_settings(load_configuration("articulated", equal))

@@ -43,6 +43,8 @@ def test_a_section_of_toml_becomes_a_node_and_two_valves() -> None:
         ({"wheelbase": -2.8}, "greater than 0"),
         ({"curvature": [[0.0, 0.0], [0.1, -0.1]]}, "must both rise"),
         ({"curvature": [[-20.0, 0.0], [20.0, 0.1]]}, "degrees"),
+        ({"curvature": [[-0.2, -200.0], [0.2, 200.0]]}, "1/km. 200 1/km = 0.2 1/m"),
+        ({"wheelbase": 280.0}, "280 cm = 2.8 m"),
         ({"wheelbase": 2.8, "rate": 5.0}, "greater than or equal to 10"),
         ({"wheelbase": 2.8, "address": 254}, "less than or equal to 253"),
         ({"wheel_base": 2.8}, "has no key wheel_base"),

@@ -136,6 +136,19 @@ def test_a_board_that_falls_silent_is_no_longer_ready(firmware: str) -> None:
     assert bench.ones_after(0.0) == 0
 
 
+def test_a_board_whose_angle_jumps_is_not_ready_until_it_has_kept_still_for_a_second(firmware: str) -> None:
+    bench = Bench(firmware)
+    bench.run(2.5)
+    bench.wheel.angle += math.radians(8.0)
+    bench.run(0.2)
+    jumped = bench.time
+    assert bench.report.readiness is Readiness.FAULT
+    while bench.report.readiness is Readiness.FAULT:
+        bench.tick()
+    assert bench.report.readiness is Readiness.READY
+    assert 0.75 <= bench.time - jumped <= 1.0
+
+
 def test_a_board_must_be_heard_for_a_second_without_a_break(firmware: str) -> None:
     """Rule 1: heard for a second before every engagement."""
     bench = Bench(firmware)

@@ -44,6 +44,9 @@ TEXTS: Mapping[str, tuple[str, str]] = {
     "next_override": ("Press Acknowledge.", "Bestätigen drücken."),
     "warnings": ("Attention while driving", "Achtung während der Fahrt"),
     "because": ("Because: {cause}", "Grund: {cause}"),
+    "front_wheels": ("front wheels", "Vorderräder"),
+    "joint": ("joint", "Lenkgelenk"),
+    "speed_actuator": ("speed", "Geschwindigkeit"),
     "no_corrections": ("No corrections come.", "Es kommen keine Korrekturen."),
     "wait_ready": ("All is well; wait two seconds.", "Alles in Ordnung; zwei Sekunden warten."),
     # controls

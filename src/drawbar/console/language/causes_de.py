@@ -159,7 +159,8 @@ CAUSES_DE: Mapping[Cause, tuple[str, str]] = {
     Cause.BUDGET: ("die erlaubte Zeit für eingeschränktes Fahren ist um",
         "den Grund ansehen; wieder einschalten, wenn er weg ist"),
     Cause.OPERATOR_STEERS: ("der Fahrer hat übernommen",
-        "bestätigen, dann wieder einschalten, wenn alles bereit ist"),
+        "bestätigen, dann wieder einschalten, wenn alles bereit ist; hat niemand übernommen, wurde der Aktor neu "
+        "gestartet: seinen Strom prüfen"),
     Cause.OPERATOR_STOPS: ("der Bediener wollte anhalten",
         "im Stand bestätigen"),
     Cause.OPERATOR_RELEASES: ("der Bediener wollte selbst lenken",

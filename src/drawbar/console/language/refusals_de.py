@@ -121,8 +121,9 @@ REFUSALS_DE: Mapping[str, str] = {
         "durchgegangen: dreht schneller als {0}°/s; Ventil schließen und nachsehen",
     "runaway: it turns without a drive, {}°; the valve leaks, or another drives":
         "durchgegangen: dreht ohne Ansteuerung, {0}°; das Ventil leckt, oder etwas anderes steuert an",
-    "runaway: it has turned {}° against the drive; check for a swapped sensor":
-        "durchgegangen: {0}° gegen die Ansteuerung gedreht; prüfen, ob der Sensor vertauscht ist",
+    "runaway: it has turned {}° against the drive; check for a valve that sticks or leaks, and for a swapped sensor":
+        "durchgegangen: {0}° gegen die Ansteuerung gedreht; prüfen, ob das Ventil hängt oder leckt, oder der Sensor "
+        "vertauscht ist",
     "the vehicle's yaw rate is unknown: a sensor that is stuck would not be seen; let the tractor's receiver report it "
     "(docs/receivers.md)":
         "die Drehrate des Fahrzeugs fehlt: ein hängender Sensor fiele nicht auf; der Empfänger des Traktors "

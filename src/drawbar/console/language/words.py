@@ -12,6 +12,8 @@ from drawbar.safety.causes import Cause
 from drawbar.statuses import Status
 
 Language = Literal["en", "de"]
+_ACTUATORS = ("front_wheels", "joint", "speed_actuator")
+"""names of their texts, by their bits in GateState.engaged"""
 _ERRORS = Translation(ERRORS_DE)
 
 
@@ -38,6 +40,11 @@ class Words:
             return sentence
         text = STATUSES_DE[status] if self.language == "de" else status.text.removeprefix("stopped: ")
         return text[:1].upper() + text[1:]
+
+    def of_actuators(self, bits: int) -> str:
+        """Return which actuators something is of, by bits of GateState.engaged, to be put behind it."""
+        names = [self(key) for bit, key in enumerate(_ACTUATORS) if bits >> bit & 1]
+        return f": {', '.join(names)}" if names else ""
 
     def signal(self, name: str) -> str:
         """Return what a signal of a control step is called, with its unit."""

@@ -8,17 +8,15 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from drawbar.driving.operator.display import notices, refusals
+from drawbar.driving.operator.display import OF_ANGLES, UNTRIED, notices, refusals
 from drawbar.geometry import Floats
 from drawbar.messages import ControllerState, GateState, Message, SupervisorState
 from drawbar.recording.drive_records import read_messages
 from drawbar.safety.causes import BY_CODE, Cause
 
 _WAITING = (SupervisorState.STANDBY, SupervisorState.READY)
-_OF_SHADOWS = {Cause.SHADOW, Cause.EMERGENCY_UNTRIED, Cause.WIGGLE_UNTRIED}
-"""that it only looks on, and what is tried only before the vehicle is steered"""
-_OF_ANGLES = {Cause.STEERING_OLD, Cause.STEERING_LOST, Cause.STEERING_APART}
-"""what stands against engaging wherever an actuator measures no angle, as some do while nothing commands them"""
+_OF_SHADOWS = {Cause.SHADOW, *UNTRIED}
+"""what stands against engaging in a shadow drive alone"""
 
 
 class Stretch(NamedTuple):
@@ -109,4 +107,4 @@ def _append(found: list[Stretch], stretch: Stretch) -> None:
 
 
 def _without_angles(stretch: Stretch) -> Stretch:
-    return stretch._replace(causes=tuple(cause for cause in stretch.causes if cause not in _OF_ANGLES))
+    return stretch._replace(causes=tuple(cause for cause in stretch.causes if cause not in OF_ANGLES))

@@ -1,5 +1,6 @@
 """Options of the console: what its process is given at its start, as JSON on its standard input."""
 
+import ssl
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -63,3 +64,28 @@ class ConsoleOptions(BaseModel):
             path = getattr(self, name)
             if path is not None and not Path(path).is_file():
                 raise ConfigurationError(f"--{name} {path}: there is no such file")
+        self._check_certificate()
+        self._check_audit()
+
+    def _check_audit(self) -> None:
+        """Raise ConfigurationError where the audit log cannot be written."""
+        try:
+            if self.audit is not None:
+                Path(self.audit).open("a").close()
+        except OSError as error:
+            raise ConfigurationError(
+                f"--audit {self.audit}: cannot be written ({error.strerror}); give a file in a folder that is there"
+            ) from error
+
+    def _check_certificate(self) -> None:
+        """Raise ConfigurationError where the certificate is none, or the key is not its own."""
+        if self.certificate is None:
+            return
+        context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+        try:
+            context.load_cert_chain(self.certificate, self.key, password=lambda: b"")
+        except (OSError, ValueError) as error:
+            raise ConfigurationError(
+                f"--certificate {self.certificate} and --key {self.key} are no certificate and its own key without a "
+                f"passphrase, both PEM files ({error}); are they exchanged?"
+            ) from error

@@ -41,6 +41,10 @@ _UNKNOWN_WITHOUT_RECEIVER = _UNKNOWN_AWAY | {
 """what stands against engaging wherever no fixes come from a receiver, or never from both at one time"""
 _UNKNOWN_IN_SILENCE = _UNKNOWN_WITHOUT_RECEIVER | {Cause.COMMAND_EXPIRED, Cause.CONFIGURATION}
 """what stands against engaging wherever the controller is silent"""
+UNTRIED = {Cause.EMERGENCY_UNTRIED, Cause.WIGGLE_UNTRIED}
+"""what is tried only before the vehicle is steered"""
+OF_ANGLES = {Cause.STEERING_OLD, Cause.STEERING_LOST, Cause.STEERING_APART}
+"""what stands against engaging wherever an actuator measures no angle, as some do while nothing commands them"""
 _LACKING_RECEIVER = {Cause.RECEIVER_SILENT.value, Cause.RECEIVER_TIMES.value}
 MEANINGS = {
     SupervisorState.BOOT: "starting",
@@ -57,6 +61,8 @@ MEANINGS = {
     SupervisorState.ESTOP: "emergency stop; acknowledge to continue",
 }
 """of each state, in words"""
+_ACTUATORS = ("front wheels", "joint", "speed")
+"""by their bits in GateState.engaged"""
 KEYS = "e engage   space stop   r release   x emergency\na acknowledge   + - speed   q quit"
 
 
@@ -80,7 +86,7 @@ def headline(state: GateState, controller: ControllerState | None = None) -> Tex
     style = next((style for states, style in known.items() if state.state in states), "")
     text = Text(f"{state.state.name}: {MEANINGS[state.state]}", style=style)
     if state.cause:
-        text.append(f" ({_led(BY_CODE[state.cause], controller)})")
+        text.append(f" ({_led(BY_CODE[state.cause], controller)}{of_actuators(state.concerned)})")
     if math.isfinite(state.remaining):
         text.append(f", {state.remaining:.0f} s left")
     return text
@@ -91,6 +97,12 @@ def _led(cause: Cause, controller: ControllerState | None) -> str:
     if cause is not Cause.CONTROLLER_STOPS or controller is None or not Status(controller.status).has_ended:
         return cause.sentence
     return f"{cause.sentence}: {Status(controller.status).text}"
+
+
+def of_actuators(bits: int) -> str:
+    """Return which actuators something is of, by bits of GateState.engaged, to be put behind it."""
+    names = [name for bit, name in enumerate(_ACTUATORS) if bits >> bit & 1]
+    return f": {', '.join(names)}" if names else ""
 
 
 def is_beside_line(state: GateState | None, controller: ControllerState | None) -> bool:
@@ -107,7 +119,8 @@ def refusals(state: GateState, controller: ControllerState | None) -> list[Cause
 
     Nothing while the gate still tests itself. Where the vehicle is to stand first, not that it stands; where the
     controller is silent, not what it alone reports, nor that it is before it can have reported; without a receiver not
-    what follows from that; away from any line, as on a headland, not what only a controller beside a line can know.
+    what follows from that; away from any line, as on a headland, not what only a controller beside a line can know;
+    where drawbar only looks on, not what is to be tried before it steers, nor angles that nothing measures then.
     """
     if state.state in (SupervisorState.BOOT, SupervisorState.SELFTEST):
         return []
@@ -115,6 +128,8 @@ def refusals(state: GateState, controller: ControllerState | None) -> list[Cause
     hidden = {Cause.CONTROLLER_SILENT} if controller is None and state.time - state.since < _FIRST else set()
     if state.state in LATCHED or Cause.EMERGENCY_UNTRIED in found:
         hidden.add(Cause.TOO_SLOW)
+    if Cause.SHADOW in found:
+        hidden |= UNTRIED if state.tractor_angle_time and state.trailer_angle_time else UNTRIED | OF_ANGLES
     if state.state is SupervisorState.ENGAGING:  # which turns the wheels there
         hidden.add(Cause.STEERING_APART)
     if controller is not None and not is_beside_line(state, controller):

@@ -24,6 +24,7 @@ from drawbar.machine.hardware.steer_board import SteerBoardSettings
 from drawbar.protocols.actuator import Readiness, SteeringReport, SteeringRequest
 from drawbar.protocols.agopengps.frame import STEER_BOARD
 from drawbar.protocols.agopengps.network import ScanReply
+from drawbar.protocols.agopengps.steer_board import SteerBoard
 from drawbar.protocols.bare_valve import ValveBoard
 from drawbar.protocols.sensors import SensorFault
 from drawbar.protocols.speed_actuator import SpeedRequest
@@ -39,6 +40,8 @@ _SCAN = 1.0
 """for which answers to a scan are waited for, s"""
 _ASK_AGAIN = 0.4
 """between two scans, s"""
+_SWINGS = 3
+"""of a board's angle, there and back again, that may be chance"""
 _OFF = SteeringRequest(steer=False, angle=0.0, speed=0.0)
 _STOP = SpeedRequest(drive=False, speed=0.0, deceleration=1.0)
 
@@ -189,6 +192,12 @@ def listen_to_board(name: str, settings: SteerBoardSettings, seconds: float) -> 
         )
     elif report.readiness is Readiness.OTHER_MASTER or (finding.received and report.readiness is not Readiness.READY):
         finding.problems.append(report.readiness.value)
+    assert isinstance(wire.tractor, SteerBoard)
+    if wire.tractor.swings > _SWINGS:
+        finding.problems.append(
+            f"its angle jumped away and back {wire.tractor.swings} times: two boards answer from its address (leave "
+            "one on and check again: each needs a network of its own), or its sensor has a loose contact"
+        )
     wires.close()
     return finding
 

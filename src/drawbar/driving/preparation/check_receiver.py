@@ -34,10 +34,13 @@ class _Versions:
     def __init__(self, transport: Transport) -> None:
         self.transport = TappedTransport(transport, self._receive)
         self.text = ""
+        self.received = 0
+        """bytes"""
         self._framer, self._asked = Framer(), False
 
     def _receive(self, direction: Direction, received: Received) -> None:
         if direction is Direction.IN:
+            self.received += len(received.data)
             for frame in self._framer.push(received.data, received.time):
                 self.text = firmware(frame) or self.text
 
@@ -81,7 +84,8 @@ def check_receiver(
             correct(corrections, now, receiver, [receiver])
     finding.received = bool(epochs)
     if not epochs:
-        tell_silence(finding, receiver.transport, receiver.dropped)
+        others = {"byte of messages without a position": versions.received} if versions.received else None
+        tell_silence(finding, receiver.transport, receiver.dropped or others)
     else:
         finding.facts += [versions.text] if versions.text else []
         _describe(finding, epochs, frame, receiver, sample_time)
@@ -104,7 +108,8 @@ def _describe(finding: Finding, epochs: list[Epoch], frame: LocalFrame, receiver
     rate_text = f"{rate:.1f} Hz, " if math.isfinite(rate) else ""
     finding.facts.append(f"{rate_text}{', '.join(sorted(receiver.kinds))}")
     finding.problems += filter(None, [too_slow(rate, sample_time)])
-    finding.facts.append(f"fix {last.quality.name.lower()}, deviation {max(last.sigma_east, last.sigma_north):.3f} m")
+    deviation = f", deviation {max(last.sigma_east, last.sigma_north):.3f} m" if last.has_fix else ""
+    finding.facts.append(f"fix {last.quality.name.lower()}{deviation}")
     if math.isfinite(last.correction_age):
         source = f" of station {last.station}" if last.station in _STATIONS else ""
         finding.facts.append(f"corrections{source} {last.correction_age:.0f} s old")
@@ -117,6 +122,13 @@ def _describe(finding: Finding, epochs: list[Epoch], frame: LocalFrame, receiver
     if last.has_fix:
         east, north = (float(each) for each in frame.east_north(last.latitude, last.longitude))
         finding.facts.append(f"{math.hypot(east, north):.1f} m from the origin of the path's frame")
+    repeated = receiver.dropped["epoch repeated"]
+    if repeated > len(epochs):
+        finding.clock = math.nan  # it shows no other receiver's to be wrong
+        finding.problems.append(
+            f"its time stands still: it has repeated an epoch {repeated} times; switch it off and on, and see its own "
+            "status if it does so again"
+        )
     if receiver.dropped:
         finding.facts.append(f"dropped: {counted(receiver.dropped)}")
 

@@ -221,7 +221,10 @@ class Calibration:
                 f"runaway: it turns without a drive, {math.degrees(unasked):+.1f}°; the valve leaks, or another drives"
             )
         if self.direction * self._push.drive * moved < 0.0 and not (abs(moved) <= limits.wrong_way):
-            return f"runaway: it has turned {math.degrees(moved):+.1f}° against the drive; check for a swapped sensor"
+            return (
+                f"runaway: it has turned {math.degrees(moved):+.1f}° against the drive; check for a valve that sticks "
+                "or leaks, and for a swapped sensor"
+            )
         return self._unseen(sensed)
 
     def _unseen(self, sensed: Sensed) -> str:

@@ -54,9 +54,9 @@ class DeviceSettings(Settings):
             board = getattr(self, f"{body}_board") is not None
             valve = self.isobus is not None and getattr(self.isobus, f"{body}_valve") is not None
             if board == valve:
-                given = "both" if board else "none"
+                given = "both are" if board else "none is"
                 raise ValueError(
-                    f"the {body} is steered by {body}_board or by isobus.{body}_valve; {given} is given, give one"
+                    f"the {body} is steered by {body}_board or by isobus.{body}_valve; {given} given, give one"
                 )
         refuse_equal_boards([board for board in (self.tractor_board, self.trailer_board) if board is not None])
         if self.trailer_receiver is None and not (self.sensors and self.sensors.measures_hitch):

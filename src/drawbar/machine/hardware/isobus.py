@@ -2,7 +2,7 @@
 
 from typing import Annotated, Self
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from drawbar.errors import ConfigurationError
 from drawbar.protocols.isobus.address import AddressClaim
@@ -11,13 +11,27 @@ from drawbar.protocols.isobus.guidance import GuidanceValve
 from drawbar.protocols.isobus.heartbeat import Heartbeat
 from drawbar.protocols.isobus.name import Name
 from drawbar.protocols.isobus.node import IsobusNode
-from drawbar.settings import Angle, Positive, Settings
+from drawbar.settings import Angle, Length, Settings
 from drawbar.transports.address import BusText
 
 Address = Annotated[int, Field(ge=0, le=253)]
 """An address on the bus; 254 means none, 255 means all."""
 
-Pair = Annotated[tuple[Angle, float], Field(strict=False)]
+_CURVIEST = 8.0
+"""1/m: more does not go into the message"""
+
+
+def _per_metre(value: float) -> float:
+    """Return a curvature; raise ValueError for one that must be in another unit."""
+    if abs(value) > _CURVIEST:
+        raise ValueError(
+            f"{value} is not a curvature in 1/m within ±{_CURVIEST:g}, as valves take; 1/km? {value:g} 1/km = "
+            f"{value / 1000.0:g} 1/m"
+        )
+    return value
+
+
+Pair = Annotated[tuple[Angle, Annotated[float, AfterValidator(_per_metre)]], Field(strict=False)]
 """A calibrated pair: angle, rad, and curvature, 1/m, left positive."""
 
 
@@ -47,7 +61,7 @@ class NameSettings(Settings):
 class ValveSettings(Settings):
     """One steering valve: what its curvature means, and where it is."""
 
-    wheelbase: Positive | None = None
+    wheelbase: Length | None = None
     """of a front-steered tractor, m: curvature = tan(angle) / wheelbase"""
     curvature: Annotated[tuple[Pair, ...], Field(strict=False)] | None = None
     """of a trailer's axle or joint: calibrated pairs of angle, rad, and curvature, 1/m, left positive, both rising"""

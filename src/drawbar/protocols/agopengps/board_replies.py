@@ -8,6 +8,8 @@ LARGEST_ANGLE = math.radians(49.995)
 """boards release above 50°, and report nothing larger, rad"""
 LARGEST_JUMP = math.radians(5.0)
 """between two replies 0.1 s or less apart, rad"""
+_SWING = math.radians(2.0)
+"""by which an angle that is there and back again within three replies has been away: no wheel is so quick, rad"""
 _JUMP_RATE = math.radians(50.0)
 """between replies further apart, rad/s: no steering is as fast"""
 _FRESH = 0.5
@@ -34,9 +36,13 @@ class BoardReplies:
         """the board will not steer"""
         self.plausible = False
         """the last reply's angle can be true"""
+        self.swings = 0
+        """how often the angle was away and back again within three replies"""
         self._host, _, self._port = address.partition(":")
         self._sign = -1.0 if inverted else 1.0
         self._own = own
+        self._before = math.nan
+        self._jumped = -math.inf
         self._since = math.inf
         self._asked = math.inf
         self._master = -math.inf
@@ -59,14 +65,21 @@ class BoardReplies:
         """Take in a reply; return whether its angle can be true after the one before."""
         before, elapsed = self.angle, time - self.time
         if not elapsed <= _FRESH:
-            before, self._since = math.nan, time
+            self._before, before, self._since = math.nan, math.nan, time
         self.angle = self._sign * reply.angle
+        self.swings += abs(before - self.angle) > _SWING > 2.0 * abs(self._before - self.angle)
+        self._before = before
         self.time, self.steer_off, self._asked = time, reply.steer_off, math.inf
         jumped = abs(self.angle - before) > max(LARGEST_JUMP, _JUMP_RATE * elapsed)
+        self._jumped = time if jumped else self._jumped
         self.plausible = abs(self.angle) < LARGEST_ANGLE
         if self.plausible:
             self.wire_angle = reply.angle
         return self.plausible and not jumped
+
+    def jumped_within(self, time: float, duration: float) -> bool:
+        """Return whether an angle within the last `duration` s could not be true after the one before."""
+        return time - self._jumped < duration
 
     def ask(self, time: float) -> None:
         """Note that a set point goes out, which the board answers."""

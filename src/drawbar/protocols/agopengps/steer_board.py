@@ -95,6 +95,11 @@ class SteerBoard(SteeringActuator[bytes]):
         """Return whether `source`, an `address:port`, is the board."""
         return self._replies.is_board(source)
 
+    @property
+    def swings(self) -> int:
+        """How often the board's angle was away and back again within three replies, as of two boards at one address."""
+        return self._replies.swings
+
     # What comes in
 
     def receive(self, time: float, frame: bytes, source: str = "") -> None:
@@ -173,7 +178,7 @@ class SteerBoard(SteeringActuator[bytes]):
             return Readiness.SILENT
         if replies.duration(time) < OFF_TIME:
             return Readiness.TOO_NEW
-        if not replies.plausible:
+        if not replies.plausible or replies.jumped_within(time, OFF_TIME):
             return Readiness.FAULT
         if not replies.steer_off:
             return Readiness.TOO_NEW if time - self._released < OFF_TIME else Readiness.SWITCHED_ON
