@@ -44,11 +44,11 @@ TESTS = {
         "test_safety_settings.py",
     ),
     "watch": ("test_watch.py", "test_conditions.py", "test_machine_gate.py", "test_gate_endings.py"),
-    "channels": ("test_gate_channels.py", "test_gate_loop.py"),
+    "channels": ("test_gate_channels.py",),
     "selftest": ("test_selftest.py", "test_machine_gate.py"),
     "wires": ("test_gate_channels.py", "test_gate_loop.py"),
-    "gate_report": ("test_gate_loop.py", "test_machine_gate.py", "test_gate_endings.py"),
-    "gate_process": ("test_gate_loop.py", "test_gate_endings.py"),
+    "gate_report": ("test_gate_report.py", "test_machine_gate.py", "test_gate_endings.py"),
+    "gate_process": ("test_gate_loop.py",),
 }
 """the tests that are tried on each module's mutants, those that take least time first"""
 LOADED = "ignore::pytest.PytestAssertRewriteWarning"
