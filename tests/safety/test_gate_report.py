@@ -44,8 +44,8 @@ def test_it_says_when_it_was_made_and_how_long_it_counts_and_what_the_gate_does(
 
 def test_its_counts_are_of_32_bits_and_begin_again():
     highest = 2**32 - 1
-    for beyond, shown in ((0, highest), (1, 0), (2**32 + 6, 5)):
-        counts = Counts(*(highest + beyond,) * 4)
+    given = [Counts(), *(Counts(*(highest + beyond,) * 4) for beyond in (0, 1, 2**32 + 6))]
+    for counts, shown in zip(given, (0, highest, 0, 5), strict=True):
         state = report(ACTIVE, counts=counts)
         assert (state.sequence, state.clips, state.rejects, state.dropped) == (shown,) * 4
 
