@@ -5,9 +5,10 @@ import math
 import pytest
 from gate_bench import driving
 
+from drawbar.messages import Action
 from drawbar.safety import machine_gate
 from drawbar.safety.causes import Cause
-from drawbar.safety.engagement import ACTIVE, DEGRADED
+from drawbar.safety.engagement import ACTIVE, DEGRADED, ENGAGING, SELFTEST, STANDBY
 from drawbar.safety.settings import SafetySettings
 
 SETTINGS = SafetySettings()
@@ -46,6 +47,36 @@ def test_the_computer_may_have_been_suspended_for_as_long_as_is_set(monkeypatch,
     bench = driving()
     monkeypatch.setattr(machine_gate, "suspended_time", lambda: 8.0 + SETTINGS.timing.suspended + further)
     assert (bench.run().state is ACTIVE) is state
+
+
+def limited(bench):
+    bench.command = {"tractor_angle": 0.6}
+    bench.run(0.5)
+    assert bench.cause is Cause.COMMAND_LIMITED
+
+
+def stuck(bench):
+    bench.tractor.takes, bench.tractor.changes["engaged"] = False, True
+    bench.command = {"tractor_angle": 0.1}
+    bench.run(1.0)
+    assert bench.cause is Cause.STEERING_STUCK
+
+
+@pytest.mark.parametrize("end", [limited, stuck])
+def test_what_ended_a_drive_does_not_end_the_next_one(end):
+    bench = driving()
+    end(bench)
+    bench.speed = 0.0
+    bench.run(1.5)
+    bench.tractor.takes, bench.tractor.changes, bench.tractor.angle, bench.command = True, {}, 0.0, {}
+    bench.ask(Action.ACKNOWLEDGE)
+    bench.run()
+    assert bench.state in (STANDBY, SELFTEST)
+    bench.speed, bench.follows = 1.0, False
+    bench.run(12.0).engage().run()
+    assert (bench.state, bench.cause) == (ENGAGING, None)
+    bench.follows = True
+    assert bench.run(2.0).state is ACTIVE
 
 
 def test_a_steering_is_judged_from_the_slowest_speed_on_at_which_it_engages():

@@ -9,8 +9,10 @@ import pytest
 from gate_bench import Bench
 
 from drawbar.messages import SupervisorState
+from drawbar.protocols.actuator import SteeringRequest
+from drawbar.protocols.speed_actuator import SpeedRequest
 from drawbar.safety import gate_process
-from drawbar.safety.gate_process import run
+from drawbar.safety.gate_process import next_tick, run
 
 
 class Clock:
@@ -110,8 +112,32 @@ def test_the_tick_after_a_command_comes_between_it_and_the_next_one_and_soon_aft
     assert gaps[11:13] == pytest.approx([0.05, 0.05], abs=1e-3)
 
 
+def test_a_first_tick_is_late_by_what_the_first_look_took(loop):
+    bench, lateness = Bench(), []
+    receive, tick = bench.gate.receive, bench.gate.tick
+
+    def looks(clock):
+        if not lateness:
+            clock.time += 0.2
+        return receive(clock)
+
+    bench.gate.receive = looks
+    bench.gate.tick = lambda now, late: lateness.append(late) or tick(now, late)
+    end_at(bench, 0.5, lambda: setattr(bench.gate.watch.troubles, "ended", True))
+    loop(bench)
+    assert lateness[0] == pytest.approx(0.2, abs=1e-4)
+    assert lateness[1] <= 1e-4
+
+
+@pytest.mark.parametrize(
+    ("since", "urgent", "following"), [(0.0, False, 1.0), (0.2, True, 0.25), (0.25, True, 0.5), (0.9, True, 0.5)]
+)
+def test_the_next_tick_is_due_after_a_period_or_half_of_it_or_a_quarter(since, urgent, following):
+    assert next_tick(10.0, 1.0, since, urgent=urgent) == 10.0 + following
+
+
 def test_a_program_that_fails_says_off_before_it_ends(loop, capfd):
-    bench = Bench()
+    bench = Bench(speed_actuator=True)
 
     def fail(*given):
         raise RuntimeError("the gate's own program fails")
@@ -120,7 +146,10 @@ def test_a_program_that_fails_says_off_before_it_ends(loop, capfd):
     result, clock = loop(bench)
     assert result == 4
     off = [(time, request) for time, request in bench.tractor.requests if time >= 101.0]
-    assert not any(request.steer for _, request in off)
+    assert {request for _, request in off} == {SteeringRequest(steer=False, angle=0.0, speed=0.0)}
+    fast = bench.settings.drive.emergency_deceleration
+    stops = {request for time, request in bench.speed_actuator.requests if time >= 101.0}
+    assert stops == {SpeedRequest(drive=False, speed=0.0, deceleration=fast)}
     assert len(off) == 20
     assert off[-1][0] - off[0][0] == pytest.approx(0.95, abs=0.01)
     assert "the gate's own program fails" in capfd.readouterr().err
@@ -135,6 +164,7 @@ def test_it_wakes_when_the_command_expires():
     bench.transport.fileno = bench.channel.fileno = bench.operators.fileno = lambda: 5
     gate_process._wait(bench.gate, clock, bench.time, bench.time + 9.0)
     assert waits[-1] == pytest.approx(0.2, abs=1e-4)
+    assert not bench.gate.watch.command_valid(bench.time + waits[-1]), "once, and not a moment too soon"
     gate_process._wait(bench.gate, clock, bench.time + 5.0, bench.time + 9.0)
     assert waits[-1] <= 0.0
     resting = Bench().run()

@@ -5,7 +5,7 @@ from gate_bench import Bench, driving
 
 from drawbar.messages import Mode
 from drawbar.safety.causes import Cause
-from drawbar.safety.engagement import ACTIVE, DEGRADED, FAULT, STANDBY, STOPPING
+from drawbar.safety.engagement import ACTIVE, DEGRADED, ENGAGING, FAULT, STANDBY, STOPPING
 
 
 def test_a_vehicle_with_a_speed_actuator_begins_standing():
@@ -20,6 +20,17 @@ def test_a_vehicle_with_a_speed_actuator_begins_standing():
     standing.ready()
     assert standing.state is STANDBY
     assert Cause.TOO_SLOW.value in standing.shown.refusals
+
+
+@pytest.mark.parametrize("speed", [1.7, -0.8])
+def test_a_vehicle_that_is_engaged_while_it_drives_goes_on_as_fast_until_its_first_command(speed):
+    bench = Bench(speed_actuator=True)
+    bench.speed = speed
+    bench.ready()
+    bench.follows = False  # the controller has not yet heard of it
+    bench.engage().run(0.5)
+    assert bench.state is ENGAGING
+    assert {r.speed for _, r in bench.speed_actuator.requests if r.drive} == {speed}
 
 
 def test_a_reverse_command_is_slowed_in_its_direction():

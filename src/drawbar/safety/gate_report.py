@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from drawbar.messages import GateState, SupervisorState
+from drawbar.messages import GateState
 from drawbar.nanoseconds import nanoseconds
 from drawbar.protocols.actuator import Readiness, SteeringReport
 from drawbar.protocols.speed_actuator import SpeedReport
@@ -100,7 +100,7 @@ def gate_state(
         state=engagement.state,
         steers=engagement.steers,
         engaged=actuation.engaged,
-        stop=2 if engagement.hurries(now) else int(engagement.state in (STOPPING, SupervisorState.FAULT)),
+        stop=2 if engagement.hurries(now) else int(engagement.state is STOPPING),
         armed=engagement.armed(now),
         cause=_code(engagement.cause),
         answer=_code(requests.answer),
