@@ -193,6 +193,11 @@ class DriveProcesses:
             return f"the disk of {self._run} is full: make room, or choose another folder by --out"
         return "it said nothing"
 
+    @property
+    def messages_lost(self) -> str:
+        """Return why the end of what the processes have written is not in the run's folder; empty: it is."""
+        return self._output.trouble
+
     def close(self) -> None:
         """End the gate first, so that the actuators release the steering; then all others, the recorder last."""
         if self._output.closed:
