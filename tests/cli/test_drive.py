@@ -130,7 +130,7 @@ class Ended:
     """Processes of a drive that is over, and what they have said."""
 
     def __init__(self, said, killed=()):
-        self.said, self.killed = said, killed
+        self.said, self.killed, self.messages_lost = said, killed, ""
 
     def __enter__(self):
         return self

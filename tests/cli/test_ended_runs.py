@@ -203,6 +203,16 @@ def test_a_full_disk_is_one_message_and_the_log_is_kept(
     assert "Traceback" not in said
 
 
+def test_the_figures_are_shown_though_the_report_cannot_be_written(drawbar: Drawbar, tmp_path: Path) -> None:
+    assert drawbar("run", *SHORT, "--out", "out")[0] == 0
+    (tmp_path / "taken").touch()
+    code, said = drawbar("report", "out", "--out", "taken")
+    assert code == 2
+    figures, _, error = said.partition("error: ")
+    assert "estimator, feedback" in figures
+    assert "the report cannot be written (metrics.json, report.html, map.svg: File exists)" in " ".join(error.split())
+
+
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full")
 def test_a_disk_that_is_full_from_the_start_is_one_message(drawbar: Drawbar, tmp_path: Path) -> None:
     (tmp_path / "out").mkdir()

@@ -13,6 +13,7 @@ import typer
 from drawbar.cli.drive_choices import chosen_track, configured, demand_real_time, demand_what_is_remembered
 from drawbar.cli.options import ConfigurationName, Pace, changing, compiling, console, line_changes, written
 from drawbar.cli.pages import Pages, address, free_port, takes_pages
+from drawbar.cli.report import show_and_write
 from drawbar.configurations import CONFIGURATION_NAME
 
 LOCAL = "127.0.0.1"
@@ -143,6 +144,7 @@ def _run(
 ) -> bool:
     """Start the processes and show the drive; return whether it failed."""
     from drawbar.driving.messaging.process_options import RECORDER
+    from drawbar.driving.processes.drive_processes import MESSAGES_NAME
 
     with ExitStack() as started:
         with console.status("starting the processes …"), _removed_unless_done(folder):
@@ -157,6 +159,10 @@ def _run(
             processes.close()
         if RECORDER in processes.killed:
             console.print(_NOT_WRITTEN, style="bold red", soft_wrap=True)
+        if reason := processes.messages_lost:
+            console.print(
+                f"{folder / MESSAGES_NAME}: not written to its end ({reason})", style="yellow", soft_wrap=True
+            )
         return failed
 
 
@@ -175,16 +181,13 @@ def _shown_at(port: int) -> int:
 
 
 def _report(folder: FilePath) -> None:
-    """Write the report and print its summary."""
+    """Print the figures and write the report."""
     from drawbar.errors import StorageError
     from drawbar.recording.log import LOG_NAME
-    from drawbar.report.console import summary
-    from drawbar.report.folder import write_report
 
     if not (folder / LOG_NAME).exists():
         raise StorageError(_NOT_THERE.format(folder=folder))
-    console.print(summary(write_report(folder)))
-    console.print(f"\n{folder / 'report.html'}", soft_wrap=True)
+    show_and_write(folder / LOG_NAME, folder)
 
 
 def _drive(processes: "DriveProcesses", interrupts: "Interrupts", *, demonstrates: bool, seconds: float) -> bool:

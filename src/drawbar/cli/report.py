@@ -16,9 +16,15 @@ def report(
     ] = None,
 ) -> None:
     """Make report, metrics and map of a run from its log; a log that a crash or a full disk cut off will do."""
-    from drawbar.report.console import summary
-    from drawbar.report.folder import write_report
+    show_and_write(log, out or log.parent)
 
-    folder = out or log.parent
-    console.print(summary(write_report(folder, log)))
+
+def show_and_write(log: FilePath, folder: FilePath) -> None:
+    """Print the figures of a run, then write its report: they are shown though the folder takes nothing."""
+    from drawbar.report.console import summary
+    from drawbar.report.folder import make_report
+
+    made = make_report(log)
+    console.print(summary(made.metrics))
+    made.write(folder)
     console.print(f"\n{folder / 'report.html'}", soft_wrap=True)

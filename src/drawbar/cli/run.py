@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drawbar.cli.options import ConfigurationName, Track, changing, compiling, configured, console, written
+from drawbar.cli.report import show_and_write
 from drawbar.configurations import CONFIGURATION_NAME
 from drawbar.errors import DrawbarError, StorageError
 
@@ -32,6 +33,7 @@ def run(
 ) -> None:
     """Drive a whole run in simulation and report on it."""
     from drawbar.cli.interrupts import Interrupts
+    from drawbar.recording.log import LOG_NAME
     from drawbar.simulation import Simulation
 
     config = configured(configuration, path, track, changes or [])
@@ -44,8 +46,7 @@ def run(
         stopped = _drive(simulation, folder, interrupts)
         if isinstance(stopped, StorageError):
             raise stopped
-        _report(folder)
-    console.print(f"\n{folder / 'report.html'}", soft_wrap=True)
+        show_and_write(folder / LOG_NAME, folder)
     if stopped is not None:
         raise SystemExit(130 if isinstance(stopped, KeyboardInterrupt) else 1)
 
@@ -71,14 +72,6 @@ def _drive(
     except (DrawbarError, KeyboardInterrupt) as error:
         return error
     return None
-
-
-def _report(folder: FilePath) -> None:
-    """Write the report and print its summary; what this needs is imported now: the run does not wait for it."""
-    from drawbar.report.console import summary
-    from drawbar.report.folder import write_report
-
-    console.print(summary(write_report(folder)))
 
 
 def _refuse_a_run_in(folder: FilePath) -> None:

@@ -2,7 +2,8 @@
 
 import errno
 import os
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from drawbar.driving.evaluation.engageable import read_engageable
@@ -21,6 +22,42 @@ REPORT_NAMES = ("metrics.json", "report.html", "map.svg")
 _FULL = (errno.ENOSPC, errno.EDQUOT)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Report:
+    """The report of a run, before any of it is written."""
+
+    log_file: Path
+    metrics: Metrics
+    contents: Mapping[str, bytes]
+    """by name of file"""
+
+    def write(self, folder: Path) -> None:
+        """Write all files into a folder, each whole or not at all; it is made where it is missing.
+
+        Raises:
+            StorageError: some cannot be written; what was there before is still there, and the others are written.
+        """
+        failed: dict[str, OSError] = {}
+        for name, content in self.contents.items():
+            try:
+                folder.mkdir(parents=True, exist_ok=True)
+                _write_whole(folder / name, content)
+            except OSError as error:
+                failed[name] = error
+        if failed:
+            raise self._not_written(folder, failed)
+
+    def _not_written(self, folder: Path, failed: Mapping[str, OSError]) -> StorageError:
+        """Return what to tell of files that cannot be written."""
+        reasons = {error.strerror: error for error in failed.values()}
+        is_full = any(error.errno in _FULL for error in reasons.values())
+        again = f"free space, then `drawbar report {self.log_file}`, or " if is_full else ""
+        return StorageError(
+            f"{folder}: the report cannot be written ({', '.join(failed)}: {', '.join(map(str, reasons))}); the log is "
+            f"kept: {again}choose another folder, `drawbar report {self.log_file} --out FOLDER`"
+        )
+
+
 def write_report(folder: str | os.PathLike[str], log_file: str | os.PathLike[str] | None = None) -> Metrics:
     """Read the log in a run's folder, or another, and write metrics.json, report.html and map.svg into the folder.
 
@@ -33,7 +70,17 @@ def write_report(folder: str | os.PathLike[str], log_file: str | os.PathLike[str
         StorageError: a file cannot be written; what was there before is still there.
     """
     folder = demand_path("folder", folder)
-    file = demand_path("log_file", log_file or folder / LOG_NAME)
+    report = make_report(demand_path("log_file", log_file or folder / LOG_NAME))
+    report.write(folder)
+    return report.metrics
+
+
+def make_report(file: Path) -> Report:
+    """Make the report of a log, also of a run that crashed or was killed.
+
+    Raises:
+        DrawbarError: the log cannot be read.
+    """
     log = read_columns(file)
     errors = true_path_errors(log)
     metrics = compute_metrics(log, errors if log.has_truth else estimated_path_errors(log))
@@ -46,17 +93,7 @@ def write_report(folder: str | os.PathLike[str], log_file: str | os.PathLike[str
     metrics = replace(metrics, shadow=None if shadow is None else shadow.metrics())
     picture = render_picture(log, errors).encode()
     contents = (metrics.to_json(), render_page(log, metrics, errors, events, shadow).encode(), picture)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        for name, content in zip(REPORT_NAMES, contents, strict=True):
-            _write_whole(folder / name, content)
-    except OSError as error:
-        again = f"free space, then `drawbar report {file}`, or " if error.errno in _FULL else ""
-        raise StorageError(
-            f"{folder}: the report cannot be written ({error.strerror}); the log is kept: {again}choose another "
-            f"folder, `drawbar report {file} --out FOLDER`"
-        ) from error
-    return metrics
+    return Report(log_file=file, metrics=metrics, contents=dict(zip(REPORT_NAMES, contents, strict=True)))
 
 
 def _write_whole(file: Path, content: bytes) -> None:

@@ -43,9 +43,11 @@ def test_a_disk_that_takes_nothing_for_a_while_gets_all_of_it_later(output, tmp_
     os.rename(tmp_path / "messages.txt", tmp_path / "away.txt")
     say(output, "one")
     time.sleep(0.1)
+    assert output.trouble == "No such file or directory"
     os.rename(tmp_path / "away.txt", tmp_path / "messages.txt")
     say(output, "two")
     output.close()
+    assert not output.trouble
     assert (tmp_path / "messages.txt").read_text() == "one\ntwo\n"
 
 
@@ -58,4 +60,5 @@ def test_a_disk_that_hangs_keeps_neither_writers_nor_the_end_waiting(output, mon
     output.close()
     assert time.monotonic() - begin < 2.0
     assert output.text == "one\n"
+    assert output.trouble == "the disk hangs"
     disk.set()

@@ -207,6 +207,21 @@ def test_a_gate_that_is_killed_is_reported_and_takes_the_controller_with_it(proc
     front.close()
 
 
+def test_whatever_process_of_a_drive_crashes_leaves_where_it_was(processes, tmp_path):
+    for process in processes.by_name.values():
+        os.kill(process.pid, signal.SIGSTOP)  # so that each crashes by itself, whatever the others do
+    for number, process in enumerate(processes.by_name.values(), 1):
+        os.kill(process.pid, signal.SIGSEGV)
+        os.kill(process.pid, signal.SIGCONT)
+        assert process.wait(ENGAGE) == -signal.SIGSEGV
+        assert "\n".join(processes.output()).count("Fatal Python error: Segmentation fault") == number
+    assert processes.last_output(processes.by_name).endswith("/ Fatal Python error: Segmentation fault")
+    processes.close()
+    told = (tmp_path / "messages.txt").read_text()
+    for name in ("recorder", "gate", "guard", "controller", "receivers"):
+        assert re.search(rf"File .*{name}_main.py\", line \d+ in main", told), name
+
+
 def test_the_gates_process_loads_no_numpy():
     words = (
         "import sys, drawbar.driving.processes.gate_main; sys.exit('numpy' in sys.modules or 'casadi' in sys.modules)"

@@ -2,6 +2,7 @@
 
 import math
 import os
+import re
 import shutil
 import signal
 import socket
@@ -39,6 +40,8 @@ LOSSES = {
     RECEIVERS: "the receivers' process has ended: the vehicle is steered along its line until it stands; brake",
 }
 """processes without which a drive continues, the last one only while it steers, and what is then shown"""
+_TRACE = re.compile(r'(  File ".*", line \d+ in |Current thread 0x|Thread 0x|Extension modules: |$)')
+"""lines in which a process that crashed says where it was"""
 _ROOM = 1_000_000
 """with less free space a disk is full, bytes"""
 _ENDING, _WRITING = 5.0, 30.0
@@ -151,7 +154,7 @@ class DriveProcesses:
         self, name: str, module: str, options: str, *arguments: str, ends: tuple[socket.socket, ...] = ()
     ) -> None:
         process = subprocess.Popen(
-            [sys.executable, "-m", f"drawbar.{module}", *arguments],
+            [sys.executable, "-X", "faulthandler", "-m", f"drawbar.{module}", *arguments],
             stdin=subprocess.PIPE,
             stdout=self._output.descriptor,
             stderr=self._output.descriptor,
@@ -179,15 +182,21 @@ class DriveProcesses:
     def last_output(self, ended: Collection[str]) -> str:
         """Return the last lines that processes have written which have ended; where there is no room for any, that.
 
-        A warning begins with its process's name; what an error says does not.
+        A warning begins with its process's name; what an error says does not. Where one crashed is left to the file.
         """
         others = self.by_name.keys() - set(ended)
-        if lines := [line for line in self.output() if line.partition(": ")[0] not in others]:
+        said = [line for line in self.output() if not _TRACE.match(line)]
+        if lines := [line for line in said if line.partition(": ")[0] not in others]:
             return " / ".join(lines[-4:])
         free = shutil.disk_usage(self._run).free if self._run.exists() else math.inf
         if free < _ROOM:
             return f"the disk of {self._run} is full: make room, or choose another folder by --out"
         return "it said nothing"
+
+    @property
+    def messages_lost(self) -> str:
+        """Return why the end of what the processes have written is not in the run's folder; empty: it is."""
+        return self._output.trouble
 
     def close(self) -> None:
         """End the gate first, so that the actuators release the steering; then all others, the recorder last."""

@@ -24,7 +24,8 @@ class ProcessOutput:
             OSError: the file cannot be created.
         """
         file.write_bytes(b"")
-        self._file, self._copied = file, 0
+        self._file, self._copied, self.trouble = file, 0, ""
+        """why the file lacks the end of it; empty: it does not"""
         self.descriptor = os.memfd_create("messages")
         """to be given to the processes"""
         self._ending = threading.Event()
@@ -45,6 +46,8 @@ class ProcessOutput:
         """Copy the rest, but wait no longer than some seconds for the disk; the text can still be read."""
         self._ending.set()
         self._thread.join(_ENDING)
+        if self._thread.is_alive():
+            self.trouble = "the disk hangs"
 
     def _read(self, begin: int) -> bytes:
         return os.pread(self.descriptor, os.fstat(self.descriptor).st_size - begin, begin)
@@ -58,11 +61,14 @@ class ProcessOutput:
         """Append what is new; what finds no room, or no folder, is tried again."""
         data = self._read(self._copied)
         if not data:
+            self.trouble = ""
             return
         try:
             with self._file.open("r+b") as stream:
                 stream.seek(self._copied)
                 stream.write(data)
-        except OSError:
+        except OSError as error:
+            self.trouble = error.strerror or str(error)
             return
+        self.trouble = ""
         self._copied += len(data)
