@@ -168,7 +168,7 @@ class Cause(Enum):
     ADDRESS_LOST = (418, True, Response.RELEASE, "drawbar has no address on the bus",
         "see who else claims it")
     ACTUATOR_FAULT = (419, True, Response.RELEASE, "an actuator reports a fault",
-        "see the machine's own display")
+        "see the machine's own display, and run drawbar check")
     SHADOW = (420, True, Response.RELEASE, "drawbar only looks on",
         "start it without --shadow")
     STEERING_CONTRADICTS = (421, True, Response.RELEASE, "the tractor does not turn as its wheels are measured",

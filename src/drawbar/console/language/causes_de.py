@@ -128,7 +128,7 @@ CAUSES_DE: Mapping[Cause, tuple[str, str]] = {
     Cause.ADDRESS_LOST: ("drawbar hat keine Adresse auf dem Bus",
         "nachsehen, wer sie sonst beansprucht"),
     Cause.ACTUATOR_FAULT: ("eine Lenkung meldet eine Störung",
-        "Anzeige der Maschine ansehen"),
+        "Anzeige der Maschine ansehen, und drawbar check ausführen"),
     Cause.SHADOW: ("drawbar schaut nur zu",
         "ohne --shadow starten"),
     Cause.STEERING_CONTRADICTS: ("der Traktor dreht nicht so, wie seine Vorderräder gemessen werden",

@@ -21,7 +21,8 @@ from drawbar.machine.hardware.isobus import IsobusSettings
 from drawbar.machine.hardware.receiver import ReceiverSettings
 from drawbar.machine.hardware.sensor_line import SensorBoardSettings, SensorLine
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
-from drawbar.protocols.actuator import Readiness, SteeringReport, SteeringRequest
+from drawbar.protocols.actuator import Readiness, SteeringActuator, SteeringReport, SteeringRequest
+from drawbar.protocols.agopengps.board_replies import LARGEST_ANGLE
 from drawbar.protocols.agopengps.frame import STEER_BOARD
 from drawbar.protocols.agopengps.network import ScanReply
 from drawbar.protocols.agopengps.steer_board import SteerBoard
@@ -185,21 +186,30 @@ def listen_to_board(name: str, settings: SteerBoardSettings, seconds: float) -> 
         finding.facts.append(f"angle {math.degrees(report.angle):.1f}°, {report.readiness.name.lower()}")
     else:
         tell_silence(finding, transport)
-    if finding.received and report.readiness is Readiness.FAULT:
-        finding.problems.append(
-            f"its sensor measures {math.degrees(report.angle):.1f}°, more than a wheel turns: check for a broken or "
-            "shorted cable, then calibrate it"
-        )
-    elif report.readiness is Readiness.OTHER_MASTER or (finding.received and report.readiness is not Readiness.READY):
+    if finding.received:
+        finding.problems += _unfit(report, wire.tractor)
+    elif report.readiness is Readiness.OTHER_MASTER:
         finding.problems.append(report.readiness.value)
-    assert isinstance(wire.tractor, SteerBoard)
-    if wire.tractor.swings > _SWINGS:
-        finding.problems.append(
-            f"its angle jumped away and back {wire.tractor.swings} times: two boards answer from its address (leave "
-            "one on and check again: each needs a network of its own), or its sensor has a loose contact"
-        )
     wires.close()
     return finding
+
+
+def _unfit(report: SteeringReport, board: SteeringActuator[bytes] | None) -> list[str]:
+    """Return why a board that reports cannot steer."""
+    assert isinstance(board, SteerBoard)
+    if board.swings > _SWINGS:
+        return [
+            f"its angle jumped away and back {board.swings} times: two boards answer from its address (leave one on "
+            "and check again: each needs a network of its own), or its sensor has a loose contact"
+        ]
+    if report.readiness is not Readiness.FAULT:
+        return [] if report.readiness is Readiness.READY else [report.readiness.value]
+    if abs(report.angle) < LARGEST_ANGLE:
+        return ["its angle has jumped by more than 5°: check its sensor for a loose contact"]
+    return [
+        f"its sensor measures {math.degrees(report.angle):.1f}°, more than a wheel turns: check for a broken or "
+        "shorted cable, then calibrate it"
+    ]
 
 
 def _isobus(settings: IsobusSettings, seconds: float, *, drives: bool) -> Iterator[Finding]:
