@@ -67,8 +67,9 @@ def radians(value: float) -> float:
     return value
 
 
-LONGEST, HIGHEST, FASTEST = 30.0, 6.0, 20.0
-"""m of a vehicle's part, m of an antenna above the ground, m/s: more than any tractor and trailer has"""
+LONGEST, HIGHEST, FASTEST, LATEST = 30.0, 6.0, 20.0, 1.0
+"""m of a vehicle's part, m of an antenna above the ground, m/s, s of a device's delay: more than any tractor and
+trailer has"""
 
 
 def metres(value: float) -> float:
@@ -99,10 +100,19 @@ def metres_per_second(value: float) -> float:
     return value
 
 
+def seconds(value: float) -> float:
+    """Return a delay; raise ValueError for one that must be in another unit."""
+    if value > LATEST:
+        raise ValueError(f"{value} is not a delay in seconds up to {LATEST:g} s; ms? {value:g} ms = {value / 1000:g} s")
+    return value
+
+
 Positive = Annotated[float, Field(gt=0.0)]
 NonNegative = Annotated[float, Field(ge=0.0)]
 DeadTime = Annotated[float, Field(ge=0.0, le=5.0)]
 """Of a simulated actuator, s: commands are kept for so long."""
+Delay = Annotated[float, Field(ge=0.0), AfterValidator(seconds)]
+"""Of a real device, s; one above 1 s is taken for ms and refused."""
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
 Length = Annotated[float, Field(gt=0.0), AfterValidator(metres)]
 """A length of a vehicle's part or a distance near it, m; one above 30 m is taken for another unit and refused."""

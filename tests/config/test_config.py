@@ -104,6 +104,8 @@ WRONG_VALUES = {
     "vehicle.steering_lag=5e-324": ("vehicle.steering_lag = 5e-324", "0, or from 1e-12 to 1e+09"),
     "estimator.screening.memory=1000000000000": ("estimator.screening.memory", "0, or from 1e-12 to 1e+09"),
     "tube.trailer.disturbances.tractor_yaw_rate=1e300": ("tractor_yaw_rate = 1e+300", "0, or from 1e-12"),
+    "vehicle.dead_time=200": ("vehicle.dead_time = 200", "a delay in seconds up to 1 s", "200 ms = 0.2 s"),
+    "vehicle.dead_time=-0.1": ("vehicle.dead_time = -0.1", "greater than or equal to 0"),
     "machine.actuators.dead_time=1e6": ("machine.actuators.dead_time = 1000000", "less than or equal to 5"),
     "machine.low_level.dead_time=5.01": ("machine.low_level.dead_time = 5.01", "less than or equal to 5"),
     "tuning.seeds=1001": ("tuning.seeds = 1001", "less than or equal to 1000"),

@@ -15,7 +15,18 @@ from pydantic_core import PydanticUndefined
 
 from drawbar.config import Configuration
 from drawbar.declared_words import declared_words
-from drawbar.settings import FASTEST, HIGHEST, LONGEST, Settings, mast_height, metres, metres_per_second, radians
+from drawbar.settings import (
+    FASTEST,
+    HIGHEST,
+    LATEST,
+    LONGEST,
+    Settings,
+    mast_height,
+    metres,
+    metres_per_second,
+    radians,
+    seconds,
+)
 
 _UNIT = r"(?:1/)?(?:rad|m|s|kg|Nm|Hz)[²³]?(?:/(?:rad|m|s|g|\(m s\))[²³]?)?"
 _WITHIN: dict[Any, str] = {
@@ -23,6 +34,7 @@ _WITHIN: dict[Any, str] = {
     metres: f"±{LONGEST:g}",
     mast_height: f"±{HIGHEST:g}",
     metres_per_second: f"±{FASTEST:g}",
+    seconds: f"±{LATEST:g}",
 }
 """what the validators of numbers allow"""
 

@@ -6,7 +6,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from drawbar.geometry import arm_offset
-from drawbar.settings import Length, MastHeight, NonNegativeLength, Offset, Positive, PositiveAngle, Settings
+from drawbar.settings import Delay, Length, MastHeight, NonNegativeLength, Offset, Positive, PositiveAngle, Settings
 
 SteeringAngle = Annotated[PositiveAngle, Field(lt=math.radians(80.0))]
 """A steering angle that still steers: wheels across the direction of motion do not roll."""
@@ -121,7 +121,7 @@ class VehicleParameters(Settings):
     """fastest the actuated joint turns, rad/s"""
     steering_lag: Positive = 0.3
     """tau, time constant of both steering actuators, s"""
-    dead_time: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
+    dead_time: Delay = 0.0
     """between a command and the first reaction of any actuator, as far as it is known, s"""
     curvature_limit: Positive = Field(default=0.3)
     """tightest path curvature that the guidance may ask for, 1/m"""

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from drawbar.settings import Angle, NonNegative, Positive, Settings
+from drawbar.settings import Angle, Delay, NonNegative, Positive, Settings
 
 
 class AntennaSettings(Settings):
@@ -24,7 +24,7 @@ class AntennaSettings(Settings):
 class EpochSettings(Settings):
     """How a receiver's sentences become epochs."""
 
-    latency: Annotated[float | None, Field(ge=0.0, le=1.0)] = None
+    latency: Delay | None = None
     """shortest time from the instant of a measurement until its first byte is here, s; what the receiver reports of it
     itself (SBF) not counted; none: 0.04, as most have 0.01 to 0.08, and 0.01 of a receiver that reports"""
     sigma_inflation: Annotated[float, Field(ge=0.5, le=10.0)] = 1.5
