@@ -78,7 +78,7 @@ def test_a_board_is_not_silent_where_a_busy_computer_did_not_ask_it(listen, monk
 
     monkeypatch.setattr(check, "poll_times", with_a_pause)
     with running(AioV4(HeldWheel(), start=time.monotonic())) as address:
-        finding = check.listen_to_board("tractor board", settings(address, listen), 1.0)
+        finding = check.listen_to_board("tractor board", settings(address, listen), 2.0)
     assert finding.facts == ["angle 0.0°, ready"]
     assert finding.problems == []
 
