@@ -7,7 +7,6 @@ import pytest
 from engagements import SETTINGS, SEVERITY, SILENCE, brought_to
 
 from drawbar.messages import Action, SupervisorState
-from drawbar.protocols.actuator import Readiness, SteeringReport
 from drawbar.safety.causes import Cause, Response
 from drawbar.safety.engagement import (
     ACTIVE,
@@ -31,7 +30,6 @@ from drawbar.safety.engagement import (
     Situation,
     transition,
 )
-from drawbar.safety.gate_report import Actuation
 
 # written down independently of the table: which events end which states, and where
 STEER_ENDS = {Event.OVERRIDE: OVERRIDE, Event.FAULT: FAULT, Event.EMERGENCY: ESTOP}
@@ -236,20 +234,6 @@ def test_which_actuators_reported_the_cause_is_kept_as_long_as_the_state():
     assert (engagement.state, engagement.concerned) == (FAULT, 2)
     engagement.update(100.15, Situation(causes=(), actions=frozenset({Action.EMERGENCY})))
     assert (engagement.state, engagement.concerned) == (ESTOP, 0)
-
-
-def test_an_actuator_reports_the_cause_that_is_its_readiness_an_operator_or_that_it_has_released():
-    ready = SteeringReport(readiness=Readiness.READY, engaged=True)
-    silent, taken = SteeringReport(), SteeringReport(readiness=Readiness.OVERRIDDEN, overridden=True)
-    both = Actuation(tractor=ready, trailer=silent, speed=None)
-    assert [both.concerned(cause) for cause in (Cause.SILENT, Cause.ACTUATOR_RELEASED, Cause.ACTUATOR_FAULT)] == [
-        2,
-        2,
-        0,
-    ]
-    assert both.concerned(None) == 0
-    over = Actuation(tractor=taken, trailer=ready, speed=None)
-    assert [over.concerned(cause) for cause in (Cause.OPERATOR_STEERS, Cause.OVERRIDDEN)] == [1, 1]
 
 
 @pytest.mark.parametrize("why", [Cause.SILENT, Cause.OTHER_MASTER, Cause.LOCKED_OUT, Cause.TOO_NEW])

@@ -6,9 +6,9 @@ from dataclasses import replace
 import pytest
 
 from drawbar.messages import SupervisorState
-from drawbar.protocols.actuator import SteeringReport
+from drawbar.protocols.actuator import Readiness, SteeringReport
 from drawbar.protocols.speed_actuator import SpeedReport
-from drawbar.safety.causes import Cause
+from drawbar.safety.causes import BY_READINESS, Cause
 from drawbar.safety.engagement import ACTIVE, ENGAGING, ESTOP, FAULT, READY, STEERING, STOPPED, STOPPING, Engagement
 from drawbar.safety.gate_report import Actuation, Counts, Tick, gate_state
 from drawbar.safety.operator_requests import OperatorRequests
@@ -24,10 +24,10 @@ TICK = Tick(now=100.0, causes=(), actuation=ACTUATION, angles=(0.11, -0.21), spe
 DRIVING, BEFORE = Cause.COMMAND_LIMITED, Cause.UNPROVED  # the one counts while driving alone, the other before it
 
 
-def report(state, tick=TICK, counts=None, *, since=98.0, cause=None, **requested):
+def report(state, tick=TICK, counts=None, *, since=98.0, cause=None, concerned=0, **requested):
     """Return the record of a tick in a state."""
     engagement = Engagement(SETTINGS)
-    engagement.state, engagement.since, engagement.cause = state, since, cause
+    engagement.state, engagement.since, engagement.cause, engagement.concerned = state, since, cause, concerned
     requests = OperatorRequests(SETTINGS, engagement)
     for name, value in requested.items():
         setattr(requests, name, value)
@@ -40,6 +40,7 @@ def test_it_says_when_it_was_made_and_how_long_it_counts_and_what_the_gate_does(
     assert (shown.sequence, shown.clips, shown.rejects, shown.dropped) == (4, 3, 2, 1)
     assert (shown.state, shown.steers, shown.cause, shown.speed_limit) == (ACTIVE, 1, Cause.OPERATOR_STOPS.value, 1.5)
     assert report(READY).cause == 0
+    assert (report(READY).concerned, report(FAULT, concerned=6).concerned) == (0, 6)
 
 
 def test_its_counts_are_of_32_bits_and_begin_again():
@@ -96,6 +97,38 @@ def test_each_actuator_that_does_as_asked_has_its_bit(bits):
     assert actuation.engaged == report(ACTIVE, replace(TICK, actuation=actuation)).engaged == bits
     assert replace(actuation, trailer=None).engaged == bits & 5
     assert Actuation(tractor=None, trailer=None, speed=None).engaged == 0
+
+
+READY_REPORT = {"readiness": Readiness.READY, "engaged": True}
+
+
+def concerned(cause, changes):
+    """Return the bits of actuators that report a cause, tractor, trailer, speed and all of them."""
+    good, bad = (SteeringReport(**READY_REPORT), SteeringReport(**READY_REPORT | changes))
+    fine, ill = (SpeedReport(**READY_REPORT), SpeedReport(**READY_REPORT | changes))
+    which = ((bad, good, fine), (good, bad, fine), (good, good, ill), (bad, bad, ill))
+    each = (Actuation(tractor=first, trailer=second, speed=third) for first, second, third in which)
+    return [actuation.concerned(cause) for actuation in each]
+
+
+@pytest.mark.parametrize("readiness", [each for each in Readiness if each is not Readiness.READY])
+def test_an_actuator_reports_the_cause_that_is_its_readiness(readiness):
+    changes = {"readiness": readiness}
+    assert concerned(BY_READINESS[readiness], changes) == (
+        [0] * 4 if readiness is Readiness.OVERRIDDEN else [1, 2, 4, 7]  # of that it has a word of its own
+    )
+    others = set(BY_READINESS.values()) - {BY_READINESS[readiness]}
+    assert all(concerned(cause, changes) == [0] * 4 for cause in (*others, None, Cause.ACTUATOR_RELEASED))
+
+
+def test_an_actuator_reports_that_the_operator_took_over_and_that_it_has_released():
+    for cause in (Cause.OPERATOR_STEERS, Cause.OVERRIDDEN):
+        assert concerned(cause, {"overridden": True}) == [1, 2, 4, 7]
+        assert concerned(cause, {"engaged": False}) == [0] * 4
+    assert concerned(Cause.ACTUATOR_RELEASED, {"engaged": False}) == [1, 2, 4, 7]
+    assert concerned(Cause.ACTUATOR_RELEASED, {"overridden": True}) == [0] * 4
+    nothing = Actuation(tractor=None, trailer=None, speed=None)
+    assert nothing.concerned(Cause.ACTUATOR_RELEASED) == 0
 
 
 @pytest.mark.parametrize(
