@@ -54,6 +54,14 @@ class StartSettings(Settings):
     """from the path's first direction, rad"""
 
 
+class RecordingSettings(Settings):
+    """What the log of a drive needs."""
+
+    room: Annotated[float, Field(ge=3600.0, le=1e7)] = 36000.0
+    """for how long the log should find room on the disk when `drawbar drive` begins, s: with less it says for how long
+    there is, and with less than an hour's it does not begin"""
+
+
 class TuningSettings(Settings):
     """What `drawbar tune` makes small, error and steering effort, and over which runs."""
 
@@ -115,6 +123,7 @@ class Configuration(Settings):
     """of a real machine; none: `drawbar drive` uses stand-ins on this computer"""
     safety: SafetySettings = SafetySettings()
     """of a real machine's gate"""
+    recording: RecordingSettings = RecordingSettings()
     bounded_errors: BoundedErrors = BoundedErrors()
     tuning: TuningSettings = TuningSettings()
 

@@ -201,6 +201,15 @@ def test_a_line_that_cannot_be_driven_leaves_no_folder(tmp_path, drawbar):
     assert not (tmp_path / "new").exists()
 
 
+def test_a_disk_without_room_for_an_hour_is_told_before_anything_is_compiled(tmp_path, drawbar, monkeypatch):
+    monkeypatch.setattr("drawbar.driving.loop.controller.Controller", lambda *arguments: pytest.fail("it is built"))
+    monkeypatch.setattr("shutil.disk_usage", lambda folder: SimpleNamespace(total=10**9, free=30_000_000))
+    code, said = drawbar("drive", "--out", "new")
+    assert code == 2
+    assert "the disk of new has 30 MB left; the log of an hour's drive takes 37 MB" in " ".join(said.split())
+    assert not (tmp_path / "new").exists()
+
+
 def test_a_run_whose_folder_went_away_is_reported(tmp_path):
     with pytest.raises(
         StorageError, match="not there any more: the folder was moved or removed, or its disk unmounted"

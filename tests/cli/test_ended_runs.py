@@ -210,7 +210,7 @@ def test_the_figures_are_shown_though_the_report_cannot_be_written(drawbar: Draw
     assert code == 2
     figures, _, error = said.partition("error: ")
     assert "estimator, feedback" in figures
-    assert "the report cannot be written (metrics.json, report.html, map.svg: File exists)" in " ".join(error.split())
+    assert "the report's metrics.json, report.html, map.svg cannot be written (File exists)" in " ".join(error.split())
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full")

@@ -78,7 +78,7 @@ def test_a_damaged_log_gives_a_report_that_says_what_is_lost(tmp_path, make_run,
 def test_a_report_that_cannot_be_written_is_named(tmp_path, make_run):
     record(tmp_path, make_run(steps=2))
     (tmp_path / "report.html").mkdir()
-    with pytest.raises(DrawbarError, match=r"the report cannot be written \(report.html: Is a directory\)"):
+    with pytest.raises(DrawbarError, match=r"the report's report.html cannot be written \(Is a directory\)"):
         write_report(tmp_path)
     assert (tmp_path / "metrics.json").exists()
     assert (tmp_path / "map.svg").exists()

@@ -15,6 +15,7 @@ import socket
 import struct
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -109,15 +110,28 @@ class Machine:
             time=now, valid_until=now + 10**9, action=action, lease=5, nonce=self.nonce,
             seen_sequence=self.state.sequence, seen_time=self.state.time,
         )  # fmt: skip
-        self.send(message)
+        return self.send(message)
+
+    def ask_until_it_is_taken(self, action):
+        """Ask again and again, while the gate's socket is full of what others send."""
+        while not self.ask(action):
+            pass
+
+    def gate_place(self):
+        """Return host and port from which the gate speaks to the actuator."""
+        piece = until(self.wire.read)[0]
+        host, _, port = piece.source.partition(":")
+        return host, int(port)
 
     def guards(self):
         now = time.monotonic_ns()
         self.send(Heartbeat(time=now, valid_until=now + 10**9, role=Role.GUARD, healthy=1, state=SupervisorState.BOOT))
 
     def send(self, message):
+        """Return the bytes that the gate's socket has taken."""
         with contextlib.suppress(OSError):  # a gate that is ending does not listen
-            self.front.sendto(encode(message), str(self.folder / "operators"))
+            return self.front.sendto(encode(message), str(self.folder / "operators"))
+        return 0
 
     def come_to(self, state, seconds=20.0):
         end = time.monotonic() + seconds
@@ -296,28 +310,73 @@ def test_stopped_controllers_release_and_going_on_does_not_engage(machine):
     print(spread("SIGSTOP", times))  # docs/safety.md
 
 
-def test_garbage_from_all_sides_neither_ends_it_nor_steers(machine):
-    driving, chance = machine(), random.Random(2)
-    for _ in range(200):
-        garbage = chance.randbytes(chance.randint(0, 300))
-        while True:
-            try:
-                driving.front.sendto(garbage, str(driving.folder / "operators"))
-                break
-            except BlockingIOError:  # a busy machine: the gate has not read what came before
-                time.sleep(0.001)
-        driving.wire.write_to(chance.randbytes(20), ("127.0.0.1", 9))
-        if chance.random() < 0.1:
-            driving.listen()
+class Flood:
+    """Sends garbage to the operators' socket of a gate and to that to its actuator, as fast as they take it."""
+
+    def __init__(self, machine):
+        self.sent = {"operators": 0, "wire": 0}
+        self._places = (str(machine.folder / "operators"), machine.gate_place())
+        self._ended, self._thread = threading.Event(), threading.Thread(target=self._send)
+        self._thread.start()
+
+    def _send(self):
+        chance, forever = random.Random(2), 2**62
+        stops = [
+            encode(OperatorMessage(
+                time=1, valid_until=forever, action=action, lease=6, nonce=1, seen_sequence=0, seen_time=0
+            ))
+            for action in (Action.EMERGENCY, Action.RELEASE, Action.STOP)
+        ]  # fmt: skip
+        with contextlib.ExitStack() as opened:
+            kinds = (socket.AF_UNIX, socket.AF_INET)
+            ends = [opened.enter_context(socket.socket(kind, socket.SOCK_DGRAM)) for kind in kinds]
+            for end in ends:
+                end.setblocking(False)
+            while not self._ended.is_set():
+                broken = bytearray(chance.choice(stops))
+                broken[chance.randrange(len(broken))] ^= 1 << chance.randrange(8)
+                cut = broken[: chance.randrange(len(broken))]
+                garbage = chance.choice((chance.randbytes(chance.randint(0, 300)), bytes(broken), bytes(cut)))
+                for name, end, place in zip(self.sent, ends, self._places, strict=True):
+                    with contextlib.suppress(BlockingIOError):
+                        end.sendto(garbage, place)
+                        self.sent[name] += 1
+
+    def close(self):
+        self._ended.set()
+        self._thread.join()
+
+
+def test_a_flood_of_garbage_neither_stops_it_nor_steers_and_is_counted(machine):
+    driving = machine()
+    driving.listen()
+    before, flood, frames = driving.state, Flood(driving), 0
+    end = time.monotonic() + 2.0
+    try:
+        while time.monotonic() < end:
+            time.sleep(0.01)
             driving.ask(Action.PRESENT)
+            for piece in driving.wire.read():
+                steers, angle = struct.unpack("<Bd", piece.data)
+                assert steers == 1
+                assert 0.0 <= angle <= 0.001, "what the controller commands"
+                frames += 1
+            driving.listen()
+            assert (driving.state.state, driving.state.lease) == (SupervisorState.ACTIVE, before.lease)
+        assert frames > 10
+        driving.ask_until_it_is_taken(Action.RELEASE)
+        assert released(driving, time.monotonic()) <= 0.2 + SLACK
+    finally:
+        flood.close()
 
-    def dropped():
+    def counted():
         driving.listen()
-        driving.ask(Action.PRESENT)
-        assert driving.state.state is SupervisorState.ACTIVE
-        return driving.state.dropped >= 100
+        return driving.state.dropped - before.dropped >= flood.sent["operators"] + 500  # the wire's may overflow
 
-    until(dropped)
+    until(counted)
+    assert driving.state.dropped - before.dropped <= sum(flood.sent.values())
+    assert min(flood.sent.values()) > 500
+    print(f"flood: {flood.sent}, {driving.state.dropped - before.dropped} dropped")
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drawbar.cli.drive_choices import chosen_track, configured, demand_real_time, demand_what_is_remembered
+from drawbar.cli.drive_choices import chosen_track, configured, demand_real_time, demand_what_is_remembered, tell_room
 from drawbar.cli.options import ConfigurationName, Pace, changing, compiling, console, line_changes, written
 from drawbar.cli.pages import Pages, address, free_port, takes_pages
 from drawbar.cli.report import show_and_write
@@ -97,6 +97,7 @@ def drive(
     shown = _shown_at(live_port) if live else None
     folder = _new_folder(out, config)
     with _removed_unless_done(folder):
+        tell_room(folder, config)
         _compile(config)
     demonstrates = stand_ins and not (by_hand or shadow or with_console)
     with Interrupts() as interrupts:

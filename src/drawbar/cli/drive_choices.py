@@ -81,3 +81,11 @@ def configured(name: str, changes: list[str], pace: int) -> tuple["Configuration
         time_passes = "in real time" if pace == 1 else f"{pace} times as fast as real time"
         console.print(f"no [devices] are configured: driving stand-ins of all of them on this computer, {time_passes}")
     return config, stand_ins
+
+
+def tell_room(folder: Path, config: "Configuration") -> None:
+    """Print for how long the disk has room for the log, where that is not long; StorageError: for less than an hour."""
+    from drawbar.driving.preparation.disk_room import room_note
+
+    if note := room_note(folder, config.sample_time, config.recording.room):
+        console.print(note, style="yellow", soft_wrap=True)

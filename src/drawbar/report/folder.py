@@ -53,8 +53,8 @@ class Report:
         is_full = any(error.errno in _FULL for error in reasons.values())
         again = f"free space, then `drawbar report {self.log_file}`, or " if is_full else ""
         return StorageError(
-            f"{folder}: the report cannot be written ({', '.join(failed)}: {', '.join(map(str, reasons))}); the log is "
-            f"kept: {again}choose another folder, `drawbar report {self.log_file} --out FOLDER`"
+            f"{folder}: the report's {', '.join(failed)} cannot be written ({', '.join(map(str, reasons))}); the log "
+            f"is kept: {again}choose another folder, `drawbar report {self.log_file} --out FOLDER`"
         )
 
 

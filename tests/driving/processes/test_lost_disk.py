@@ -31,7 +31,7 @@ def disk(tmp_path):
     disk.mkdir()
     mounted("-t", "tmpfs", "-o", f"size={SIZE}", "none", str(disk))
     yield disk
-    subprocess.run(["umount", "--recursive", str(disk)], check=True)
+    subprocess.run(["umount", "--recursive", "--lazy", str(disk)], check=True)
 
 
 class Drive:
@@ -81,6 +81,7 @@ def fill(disk: Path):
 
 def test_a_disk_that_is_really_full_costs_the_record_and_the_figures_are_shown_at_the_end(drive, disk):
     drive.await_words("ACTIVE: steering")
+    assert "the log of an hour's drive takes 37 MB: enough for 1.7 h" in drive.said
     time.sleep(3.0)
     fill(disk)
     drive.await_words("the log cannot be written any further")
@@ -91,7 +92,7 @@ def test_a_disk_that_is_really_full_costs_the_record_and_the_figures_are_shown_a
     assert drive.end() == 2
     figures, _, error = drive.said.partition("error: ")
     assert "solver, µs" in figures
-    assert "report.html, map.svg: No space left on device" in error
+    assert "report.html, map.svg cannot be written (No space left on device)" in error
     assert "free space, then `drawbar report" in error
     assert f"{disk / 'run' / 'messages.txt'}: not written to its end (No space left on device)" in figures
     assert os.statvfs(disk).f_bavail == 0
@@ -107,6 +108,6 @@ def test_a_folder_that_can_no_longer_be_written_costs_the_report_and_the_figures
     assert drive.end() == 2
     figures, _, error = drive.said.partition("error: ")
     assert "solver, µs" in figures
-    assert "metrics.json, report.html, map.svg: Read-only file system" in error
+    assert "metrics.json, report.html, map.svg cannot be written (Read-only file system)" in error
     assert "free space" not in error
     assert read_log(disk / "run").records
