@@ -73,7 +73,7 @@ def test_pushing_a_valve_tells_what_it_lacks(without) -> None:
 def test_a_log_for_ros_tells_what_it_lacks(without) -> None:
     without("mcap-ros2-support")
     with pytest.raises(DrawbarError, match=r"--ros2 needs what is not installed here \(mcap-ros2-support\)"):
-        _writer("--ros2")
+        _writer("--ros2", Path("log.mcap"))
 
 
 def test_what_an_export_lacks_is_told_before_the_log_is_read(drawbar: Drawbar, without, tmp_path: Path) -> None:

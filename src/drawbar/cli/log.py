@@ -48,7 +48,7 @@ def export(
     for (first, one), (second, other) in combinations(targets, 2):
         if one.absolute() == other.absolute():
             raise DrawbarError(f"{first} {one} and {second} {other}: are one file; give each its own.")
-    writers = [(target, _writer(option)) for option, target in targets]
+    writers = [(target, _writer(option, file)) for option, target in targets]
     content = read_log(file)
     for shortcoming in content.shortcomings:
         warnings.print(f"{file}: {shortcoming}", style="bold yellow", soft_wrap=True)
@@ -63,7 +63,7 @@ def export(
             warnings.print(str(target), soft_wrap=True)
 
 
-def _writer(option: str) -> Callable[["RunLog", FilePath], None]:
+def _writer(option: str, log: FilePath) -> Callable[["RunLog", FilePath], None]:
     if option == "--csv":
         from drawbar.recording.table import write_csv
 
@@ -77,4 +77,4 @@ def _writer(option: str) -> Callable[["RunLog", FilePath], None]:
     require_extra("--ros2", "machine")
     from drawbar.recording.ros2 import write_ros2  # imports the extra
 
-    return write_ros2
+    return partial(write_ros2, log)
