@@ -17,7 +17,7 @@ from drawbar.recording.log import RunLog
 from drawbar.recording.ros2_drive import drive_messages
 from drawbar.recording.ros2_types import Said, definition, head, turned
 from drawbar.signals import Estimate, Pose, StepRecord
-from drawbar.vehicle.parameters import Mast, VehicleParameters
+from drawbar.vehicle.parameters import BODIES, VehicleParameters
 
 
 def write_ros2(source: Path, log: RunLog, file: Path) -> None:
@@ -55,7 +55,7 @@ def _steps(log: RunLog) -> Iterator[Said]:
         if index == 0:
             yield Said(time, "/path", "nav_msgs/Path", _path(log, time))
             yield Said(time, "/tf_static", "tf2_msgs/TFMessage", {"transforms": _antennas(vehicle, time)})
-        for body in ("tractor", "trailer"):
+        for body in BODIES:
             place = getattr(record.estimate, body)
             yield Said(time, f"/{body}/pose", "geometry_msgs/PoseStamped", _stamped(place, time))
         yield Said(time, "/tf", "tf2_msgs/TFMessage", {"transforms": _transforms(record.estimate, vehicle, time)})
@@ -98,10 +98,9 @@ def _joints(estimate: Estimate, time: int) -> dict[str, Any]:
 
 
 def _antennas(vehicle: VehicleParameters, time: int) -> list[dict[str, Any]]:
-    masts: list[tuple[str, Mast]] = [("tractor", vehicle.masts.tractor), ("trailer", vehicle.masts.trailer)]
     return [
         _transform(body, f"{body}_antenna", Pose(x=mast.forward, y=mast.left, yaw=0.0), time, mast.up)
-        for body, mast in masts
+        for body, mast in zip(BODIES, (vehicle.masts.tractor, vehicle.masts.trailer), strict=True)
     ]
 
 

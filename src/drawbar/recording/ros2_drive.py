@@ -16,6 +16,7 @@ from drawbar.recording.log import RunLog, reading
 from drawbar.recording.ros2_types import Said, head
 from drawbar.recording.stream import LoggedMessage
 from drawbar.statuses import FixQuality
+from drawbar.vehicle.parameters import BODIES
 
 _NO_FIX, _UNKNOWN, _APPROXIMATED = -1, 0, 1
 _STATUS = {
@@ -70,7 +71,7 @@ def _fixes(source: Path, frame: LocalFrame) -> Iterator[Said]:
             if isinstance(record, LoggedMessage) and record.topic == TOPICS[Fixes]:
                 fixes, time = msgspec.convert(decode_message(record), _Fixes), record.publish_time
                 epoch = time + fixes.epoch - fixes.time
-                for body, report in (("tractor", fixes.tractor), ("trailer", fixes.trailer)):
+                for body, report in zip(BODIES, (fixes.tractor, fixes.trailer), strict=True):
                     if report.heard:
                         content = _fix(report, frame, head(epoch, f"{body}_antenna"))
                         yield Said(time, f"/{body}/fix", "sensor_msgs/NavSatFix", content)

@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 
 from drawbar.step.layout import RULE
 
-
 _OWN = {
     "builtin_interfaces/Time": "int32 sec\nuint32 nanosec\n",
     "std_msgs/Header": "builtin_interfaces/Time stamp\nstring frame_id\n",
