@@ -243,9 +243,9 @@ def test_one_of_two_browsers_has_control_and_the_other_sees_who_and_is_refused(d
 
 def test_a_curve_is_recorded_while_driving(drive, page):
     page.goto(f"{drive}fields")
-    press_until(page, page.get_by_text("Recording:"), "● Record a curve")
+    press_until(page, page.get_by_text("Recording, points:"), "● Record a curve")
     press(page, "Discard")
-    page.get_by_text("Recording:").wait_for(state="hidden")
+    page.get_by_text("Recording, points:").wait_for(state="hidden")
     assert page.troubles == []
 
 

@@ -14,6 +14,8 @@
 #include "unit.h"
 #include "yaw_alignment.h"
 
+#define FALSE_ANGLE 0.2                    /* difference of an angle from the expected one from which it may be false, rad */
+
 struct component {
     struct fix_deviations deviations;
     struct chain chain;
@@ -67,16 +69,19 @@ static inline void align_angles(const struct sample_interval *interval, const st
                                      now->trailer_steering);
 }
 
-/* Learn the errors of hitch and joint, from what is brought up to now. */
+/* Learn the errors of hitch and joint, from what is brought up to now; not from coarse fixes, nor from a false angle. */
 static inline void learn_angle_errors(struct component *alignment, const struct sample_interval *interval,
                                       const struct drawbar_measurement *m)
 {
     const struct drawbar_estimate *last = interval->last, *now = interval->expected;
-    const double missing = fixes_are_coarse(m) ? (double)NAN : 0.0;
+    const int coarse = fixes_are_coarse(m) || alignment->positions.fix_deviation > COARSE_REFERENCE;
+    const double missing = coarse ? (double)NAN : 0.0;
+    const double beside = fmax(fabs(m->hitch_angle - now->hitch_angle), fabs(m->trailer_steering - now->trailer_steering));
+    const double false_angle = beside > FALSE_ANGLE ? (double)NAN : 0.0;
     const struct angle_sample sample = {
         .points = {m->tractor_x + missing, m->tractor_y + missing, m->trailer_x + missing, m->trailer_y + missing},
         .yaw = now->tractor.yaw,
-        .angles = {m->hitch_angle, m->trailer_steering},
+        .angles = {m->hitch_angle + false_angle, m->trailer_steering},
         .bent = now->hitch_angle - last->hitch_angle,
         .creep = now->creep,
     };

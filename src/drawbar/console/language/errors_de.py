@@ -275,6 +275,8 @@ ERRORS_DE: Mapping[str, str] = {
         "{0} rad ist kein Winkel innerhalb von ±180°; sind das Grad? {1}° = {2} rad",
     "{} is not a speed in m/s up to {} m/s; km/h? {} km/h = {} m/s":
         "{0} m/s ist zu schnell, höchstens {1} m/s; sind das km/h? {2} km/h = {3} m/s",
+    "{} is not a delay in seconds up to {} s; ms? {} ms = {} s":
+        "{0} s ist keine Verzögerung bis {1} s; sind das Millisekunden? {2} ms = {3} s",
     "trailer_antenna = {} m is ahead of the actuated joint; it must be at most trailer_length = {} m":
         "der geführte Punkt, {0} m vor der Achse, liegt vor dem Lenkgelenk; höchstens {1} m, Lenkgelenk bis Achse",
     "tracked.trailer.left = {} m is {} m beside tracked.tractor.left = {} m; the trailer's steering reaches "
