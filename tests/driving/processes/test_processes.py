@@ -215,7 +215,7 @@ def test_whatever_process_of_a_drive_crashes_leaves_where_it_was(processes, tmp_
         os.kill(process.pid, signal.SIGCONT)
         assert process.wait(ENGAGE) == -signal.SIGSEGV
         assert "\n".join(processes.output()).count("Fatal Python error: Segmentation fault") == number
-    assert processes.last_output(processes.by_name).endswith("/ Fatal Python error: Segmentation fault")
+    assert "Fatal Python error: Segmentation fault" in processes.last_output(processes.by_name)
     processes.close()
     told = (tmp_path / "messages.txt").read_text()
     for name in ("recorder", "gate", "guard", "controller", "receivers"):
