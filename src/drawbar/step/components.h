@@ -174,7 +174,7 @@ struct autopilot {
     struct line_offset offset;             /* of the line that is driven beside the path */
     struct decisions made;
     struct drawbar_command acting;         /* the command that acts until the next measurement */
-    struct drawbar_actuation known;        /* of both steerings and late fixes */
+    struct drawbar_actuation known;        /* identified of both steerings and of sensors */
     struct drawbar_diagnostics diagnostics;
     MEMORY(alignment, DRAWBAR_ALIGNMENT_SIZE);
     MEMORY(estimator, DRAWBAR_ESTIMATOR_SIZE);
