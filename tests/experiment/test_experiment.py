@@ -63,6 +63,23 @@ def test_a_case_may_be_driven_in_some_variants_only(write_experiment: Write) -> 
     assert list(experiment.configurations) == ["paper: b", "articulated: a", "articulated: b"]
 
 
+def test_a_case_may_name_a_selection_of_variants(write_experiment: Write) -> None:
+    experiment = write_experiment(
+        'title = "x"\ncases = [{ name = "paper", variants = ["some", "c"] }]\n'
+        'variants = [{ name = "a" }, { name = "b" }, { name = "c" }, { name = "d" }]\n'
+        '[selections]\nsome = ["b", "a"]'
+    )
+    assert list(experiment.configurations) == ["paper: a", "paper: b", "paper: c"]
+
+
+def test_a_selection_of_no_variant_is_refused(write_experiment: Write) -> None:
+    with pytest.raises(ConfigurationError, match="'paper' names no variant: z; variants: a, some"):
+        write_experiment(
+            'title = "x"\ncases = [{ name = "paper", variants = ["some"] }]\nvariants = [{ name = "a" }]\n'
+            '[selections]\nsome = ["a", "z"]'
+        )
+
+
 def test_figures_of_time_are_measured_on_one_core(write_experiment: Write, two_cases: str) -> None:
     alone = write_experiment("one_at_a_time = true\n" + two_cases).tasks(1)
     assert all(task.one_core for tasks in alone.values() for task in tasks)

@@ -3,6 +3,7 @@
 import math
 import random
 
+from drawbar.machine.stand_in.breaking import steer_otherwise
 from drawbar.machine.stand_in.faults import FAULTS
 from drawbar.protocols.isobus.address import CLAIM
 from drawbar.protocols.isobus.guidance_messages import (
@@ -189,20 +190,10 @@ def valve_reports_5_off(trial):
 
 
 def valve_steers_5_off(trial):
-    """Let the valve follow another command than it was given, and report what the wheels do."""
-
-    def begin():
-        front = trial.rehearsal.machine.can.valves["tractor"]
-        before = front._follow
-
-        def follow(time, source, command):
-            before(time, source, command)
-            if front._target is not None:
-                front._target += math.tan(math.radians(5.0)) / 1.4
-
-        front._follow = follow
-
-    trial.begin = begin
+    """Let the valve turn the wheels elsewhere than it is told, and report what they do."""
+    trial.begin = lambda: steer_otherwise(
+        trial.rehearsal.machine, "tractor", lambda wanted, true: wanted + math.radians(5.0)
+    )
 
 
 def tractor_tells_no_speed(trial):

@@ -76,7 +76,7 @@ class Case(Variant):
     configuration: str = ""
     """shipped name, or a TOML file in the experiment's folder; empty: the case's own name"""
     variants: Texts = ()
-    """names of those that it is driven in; empty: all"""
+    """names of those that it is driven in, or of selections of them; empty: all"""
     seeds: Annotated[int, Field(ge=1)] | None = None
     """runs of this case, with the seeds 0, 1, …; none: as the experiment declares"""
     needs: str = ""
@@ -107,17 +107,23 @@ class ExperimentSettings(Settings):
     cases: Annotated[tuple[Case, ...], Field(strict=False, min_length=1)]
     variants: Annotated[tuple[Variant, ...], Field(strict=False)] = ()
     """each case is driven in every one, or in those that it names; empty: as it is"""
+    selections: Mapping[str, Texts] = {}
+    """names of variants, under a name by which several cases may name them all"""
     expected: Mapping[str, Mapping[str, Expectation]] = {}
     """by name of the case (`CASE: VARIANT` where there are variants), then by name of the figure"""
+
+    def named_variants(self, case: Case) -> frozenset[str]:
+        """Return the names of the variants that a case names, itself or by a selection; none: all."""
+        return frozenset(name for each in case.variants for name in self.selections.get(each, (each,)))
 
     @model_validator(mode="after")
     def _variants_exist(self) -> Self:
         known = [variant.name for variant in self.variants]
         for case in self.cases:
-            if strangers := sorted(set(case.variants) - set(known)):
+            if strangers := sorted(self.named_variants(case) - set(known)):
                 raise ValueError(
                     f"case {case.name!r} names no variant: {', '.join(strangers)}; "
-                    f"variants: {', '.join(known) or 'none'}"
+                    f"variants: {', '.join([*known, *self.selections]) or 'none'}"
                 )
         return self
 

@@ -157,7 +157,7 @@ def _driven(folder: Path, settings: ExperimentSettings) -> dict[str, tuple[Case,
     """Return every case with every variant that it is driven in, by name."""
     driven: dict[str, tuple[Case, Variant]] = {}
     for case, variant in product(settings.cases, settings.variants or (Variant(name=""),)):
-        if (case.variants or variant.only_named) and variant.name not in case.variants:
+        if (case.variants or variant.only_named) and variant.name not in settings.named_variants(case):
             continue
         name = f"{case.name}: {variant.name}" if variant.name else case.name
         if name in driven:
