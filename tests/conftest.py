@@ -66,6 +66,12 @@ class Run:
 
 
 @pytest.fixture
+def at_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the text that a command gets as its standard input be what a person types."""
+    monkeypatch.setattr("drawbar.cli.options.is_asked", lambda: True)
+
+
+@pytest.fixture
 def drawbar(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Drawbar:
     """Return a function that runs the command line in this process: exit code, and what it said."""
 

@@ -45,6 +45,7 @@ def test_a_hang_up_that_is_ignored_stays_so():
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="real machines are driven by Linux only")
+@pytest.mark.usefixtures("at_a_terminal")
 @pytest.mark.parametrize(
     "command", [["calibrate", "{}", "--push"], ["check", "{}", "--wiggle"]], ids=lambda each: each[0]
 )

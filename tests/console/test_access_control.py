@@ -322,6 +322,16 @@ def test_a_certificate_and_a_key_that_are_no_pair_are_refused(tmp_path):
             ConsoleOptions(folder="", configuration="", **chosen).check()
 
 
+def test_a_key_that_everybody_may_read_is_refused(tmp_path):
+    _, file = certificate(tmp_path)
+    chosen = {"certificate": str(file), "key": str(tmp_path / "key.pem")}
+    (tmp_path / "key.pem").chmod(0o640)
+    ConsoleOptions(folder="", configuration="", **chosen).check()
+    (tmp_path / "key.pem").chmod(0o644)
+    with pytest.raises(ConfigurationError, match=r"everybody on this computer may read it; chmod 600 .*key\.pem"):
+        ConsoleOptions(folder="", configuration="", **chosen).check()
+
+
 def test_each_page_belongs_to_the_browser_that_opened_it():
     async def test(stage, browser):
         one, other = browser(), browser()

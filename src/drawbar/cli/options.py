@@ -1,5 +1,6 @@
 """Options and arguments that several commands share, and the console."""
 
+import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from json import dumps
@@ -62,16 +63,27 @@ def written(text: str) -> FilePath:
 def agreed(*questions: str) -> bool:
     """Ask the operator before something is moved; return whether every answer is yes.
 
-    What was typed before a question was asked answers none; Ctrl-C and the end of the input are a no.
+    What was typed before a question was asked answers none; Ctrl-C and the end of the input are a no. A program that
+    answers is no operator: without a terminal nobody is asked.
     """
     try:
-        agrees = all(_confirmed(question) for question in questions)
+        agrees = is_asked() and all(_confirmed(question) for question in questions)
     except typer.Abort:
         console.print()  # the answer's line has not ended
         agrees = False
     if not agrees:
         console.print("nothing was moved")
     return agrees
+
+
+def is_asked() -> bool:
+    """Return whether somebody can be asked; say it where nobody can."""
+    asked = sys.stdin.isatty()
+    if not asked:
+        console.print(
+            "a person answers before something moves: run it at a terminal, without a pipe (with ssh: ssh -t)"
+        )
+    return asked
 
 
 def _confirmed(question: str) -> bool:

@@ -106,6 +106,7 @@ def test_nothing_is_moved_where_it_may_not_begin(name):
 
 
 @pytest.mark.parametrize("answers", ["n\n", "y\nn\n", "y\ny\n"])
+@pytest.mark.usefixtures("at_a_terminal")
 def test_the_command_asks_twice_and_writes_the_sensors_scale(tmp_path, monkeypatch, answers):
     machine = with_stand_ins(load_configuration("articulated", ["machine.attitude.tractor.present=true"]))
     file, lines = tmp_path / "my.toml", []
@@ -147,6 +148,7 @@ def test_the_command_takes_a_log_or_pushes(tmp_path, arguments):
     assert "a log or --push" in str(result.exception)
 
 
+@pytest.mark.usefixtures("at_a_terminal")
 def test_a_machine_without_a_bare_valve_is_told_what_to_add(tmp_path):
     file = tmp_path / "my.toml"
     file.write_text(load_configuration("articulated").to_toml(), "utf-8")

@@ -178,6 +178,7 @@ def test_a_service_without_a_home_keeps_it_in_the_folder_that_systemd_gives_it(m
     assert (tmp_path / "lib" / "wiggled.json").is_file()
 
 
+@pytest.mark.usefixtures("at_a_terminal")
 def test_nothing_is_moved_where_a_pass_cannot_be_kept(machine, tmp_path, monkeypatch):
     file = tmp_path / "my.toml"
     file.write_text(machine.to_toml(), "utf-8")
@@ -190,6 +191,7 @@ def test_nothing_is_moved_where_a_pass_cannot_be_kept(machine, tmp_path, monkeyp
 
 
 @pytest.mark.parametrize("answers", ["n\n", "y\nn\n", "y\n", "y\ny\n"])
+@pytest.mark.usefixtures("at_a_terminal")
 def test_the_command_asks_twice(machine, tmp_path, monkeypatch, answers):
     file, moved = tmp_path / "my.toml", []
     file.write_text(machine.to_toml(), "utf-8")
@@ -207,6 +209,16 @@ def test_the_command_asks_twice(machine, tmp_path, monkeypatch, answers):
     assert (len(moved) == 1, result.exit_code) == (agreed, 0 if agreed else 1), result.output
     assert agreed or result.output.endswith("nothing was moved\n")
     assert wiggle_record.has_passed(machine)
+
+
+def test_a_program_that_answers_yes_moves_nothing(machine, tmp_path, monkeypatch):
+    file = tmp_path / "my.toml"
+    file.write_text(machine.to_toml(), "utf-8")
+    monkeypatch.setattr(check, "check", lambda *arguments, **names: [Finding(device="all", received=True)])
+    monkeypatch.setattr(wiggle, "wiggle_both", lambda configuration: pytest.fail("it was moved"))
+    result = CliRunner().invoke(app, ["check", str(file), "--wiggle"], input="y\n" * 9)
+    assert result.exit_code == 1, result.output
+    assert result.output.endswith("ssh -t)\nnothing was moved\n")
 
 
 @pytest.mark.parametrize("receivers", [1, 2])

@@ -1,6 +1,7 @@
 """Options of the console: what its process is given at its start, as JSON on its standard input."""
 
 import ssl
+import stat
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -78,8 +79,8 @@ class ConsoleOptions(BaseModel):
             ) from error
 
     def _check_certificate(self) -> None:
-        """Raise ConfigurationError where the certificate is none, or the key is not its own."""
-        if self.certificate is None:
+        """Raise ConfigurationError where the certificate is none, or the key is not its own or not kept secret."""
+        if self.certificate is None or self.key is None:
             return
         context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
         try:
@@ -89,3 +90,5 @@ class ConsoleOptions(BaseModel):
                 f"--certificate {self.certificate} and --key {self.key} are no certificate and its own key without a "
                 f"passphrase, both PEM files ({error}); are they exchanged?"
             ) from error
+        if Path(self.key).stat().st_mode & stat.S_IRWXO:
+            raise ConfigurationError(f"--key {self.key}: everybody on this computer may read it; chmod 600 {self.key}")
