@@ -72,14 +72,10 @@ TURNED = {
     "reversed": Cause.STEERING_REVERSED,
     "jumped": Cause.STEERING_JUMPED,
     "released": Cause.ACTUATOR_RELEASED,
-    "mirrored": Cause.STEERING_MIRRORED,
-    "turns_otherwise": Cause.STEERING_CONTRADICTS,
     "suspended": Cause.SUSPENDED,
     "device_failed": Cause.DEVICE,
     "ended": Cause.ENDED,
     "backwards": Cause.RECEIVERS_SWAPPED,
-    "rejected": Cause.POSITION_REJECTED,
-    "far_apart": Cause.ANTENNA_DISTANCE,
     "recording": Cause.NOT_RECORDING,
     "guarded": Cause.NOT_GUARDED,
     "emergency_tried": Cause.EMERGENCY_UNTRIED,
@@ -129,6 +125,25 @@ def test_a_trouble_of_the_last_seconds_is_a_cause(field):
 @pytest.mark.parametrize("field", list(TURNED))
 def test_what_must_or_must_not_be_is_a_cause_otherwise(field):
     assert causes(**{field: not getattr(SOUND, field)}) == (TURNED[field],)
+
+
+@pytest.mark.parametrize(
+    "cause",
+    [
+        Cause.POSITION_REJECTED,
+        Cause.ANTENNA_DISTANCE,
+        Cause.FIELD_EDGE,
+        Cause.STEERING_MIRRORED,
+        Cause.STEERING_CONTRADICTS,
+    ],
+    ids=lambda cause: cause.name,
+)
+def test_what_the_controller_reports_is_a_cause(cause):
+    assert causes(notices=(Cause.RECEIVER_SILENT.value, cause.value, 0)) == (cause,)
+
+
+def test_what_is_only_said_to_the_operator_is_none():
+    assert causes(notices=(Cause.RECEIVER_SILENT.value, 0)) == ()
 
 
 @pytest.mark.parametrize(("clips", "expected"), [(4, ()), (5, (Cause.COMMAND_LIMITED,))])

@@ -124,12 +124,19 @@ def _console_options(pages: Pages, out: FilePath | None, pace: int) -> "ConsoleO
 def _compile(config: "Configuration") -> None:
     """Compile the control step, which refuses what it cannot drive; print what is to be known of the path before."""
     from drawbar.driving.loop.controller import Controller
+    from drawbar.driving.loop.field_fence import build_fence
     from drawbar.recording.header import path_notes
     from drawbar.simulation import build_path
 
     path, drivable = build_path(config)
     for note in path_notes(config, path, drivable):
         console.print(note, soft_wrap=True)
+    if (fence := build_fence(config)) is not None and (outside := fence.outside(path)) > 0.0:
+        console.print(
+            f"{outside:.0f} m of the line lie more than {config.path.beyond_boundary:g} m outside the field's "
+            "boundary, where the vehicle is stopped (path.beyond_boundary)",
+            soft_wrap=True,
+        )
     with compiling():
         Controller(config, path, config.safety.fingerprint())
 

@@ -27,6 +27,9 @@ class PathSettings(Settings):
     working_width: Annotated[float, Field(ge=0.0, le=60.0)] = 0.0
     """between parallel lines beside this one, which the operator may choose while the vehicle is not steered, m. 0:
     there is only this line"""
+    beyond_boundary: Annotated[float, Field(ge=0.0, le=10_000.0)] = 1.0
+    """how far `drawbar drive` may steer beyond the field's boundary, where the line's file holds one, m: lines that lie
+    along it are driven"""
     radii: Annotated[tuple[TrackLength, ...], Field(strict=False, min_length=1)] = (10.0, 8.0, 6.67)
     """of the figure-eights, one after the other, m"""
     straight_length: TrackLength = 20.0

@@ -119,6 +119,8 @@ class Cause(Enum):
         "see whether both antennas and the sensors of hitch and joint are firm, then calibrate them again")
     ANGLE_SCALE = (225, False, Response.NOTIFY, "the sensor of hitch or joint shows a tenth too much or too little",
         "calibrate both sensors; drawbar identify tells by how much the angles are corrected meanwhile")
+    FIELD_EDGE = (226, True, Response.STOP, "the field's boundary is just ahead, or has been crossed",
+        "drive back into the field; path.beyond_boundary says how far drawbar may steer beyond it")
 
     TOO_SLOW = (301, True, Response.NONE, "the vehicle stands or is too slow",
         "begin to drive, then engage")

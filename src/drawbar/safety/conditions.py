@@ -88,14 +88,8 @@ class Observation:
     """since the last message of the operator who engaged; before that, of any"""
     backwards: bool = False
     """the antennas move backwards, as the controller reports"""
-    rejected: bool = False
-    """the position of one antenna is rejected, as the controller reports"""
-    far_apart: bool = False
-    """both antennas are not as far apart as the vehicle is long, as the controller reports"""
-    mirrored: bool = False
-    """the tractor turns the other way than its front wheels are measured, as the controller reports"""
-    turns_otherwise: bool = False
-    """the tractor does not turn as its front wheels are measured, as the controller reports"""
+    notices: tuple[int, ...] = ()
+    """codes of the causes that the controller reports"""
     not_following: bool = False
     """a steering contradicts its commands, as the controller reports, which has ended its run for it while driving"""
     recording: bool = False
@@ -134,8 +128,6 @@ _PRESENT: dict[Cause, Present] = {
     Cause.HITCH_ANGLE: lambda o, s: not (abs(o.hitch_angle) <= s.engage.hitch_angle),
     Cause.HITCH_FOLDED: lambda o, s: not (abs(o.hitch_angle) <= s.drive.hitch_angle),
     Cause.RECEIVERS_SWAPPED: lambda o, s: o.backwards,
-    Cause.POSITION_REJECTED: lambda o, s: o.rejected,
-    Cause.ANTENNA_DISTANCE: lambda o, s: o.far_apart,
     Cause.SENSORS_LOST: lambda o, s: not (o.speed_received or o.fix_age <= s.timing.fix + s.timing.speed),
     Cause.TOO_SLOW: lambda o, s: not (o.drives or o.speed >= s.engage.speed),
     Cause.TOO_FAST: lambda o, s: o.speed > s.envelope.speed,
@@ -147,8 +139,6 @@ _PRESENT: dict[Cause, Present] = {
     Cause.STEERING_STUCK: lambda o, s: o.stuck or o.not_following,
     Cause.STEERING_REVERSED: lambda o, s: o.reversed,
     Cause.STEERING_JUMPED: lambda o, s: o.jumped,
-    Cause.STEERING_MIRRORED: lambda o, s: o.mirrored,
-    Cause.STEERING_CONTRADICTS: lambda o, s: o.turns_otherwise,
     Cause.ACTUATOR_RELEASED: lambda o, s: o.released,
     Cause.GATE_LATE: lambda o, s: o.late_ago < s.engage.clean,
     Cause.SUSPENDED: lambda o, s: o.suspended,
@@ -162,6 +152,14 @@ _PRESENT: dict[Cause, Present] = {
     Cause.WIGGLE_UNTRIED: lambda o, s: s.engage.wiggle_test and not o.wiggled,
 }
 
+_REPORTED = (
+    Cause.POSITION_REJECTED,
+    Cause.ANTENNA_DISTANCE,
+    Cause.FIELD_EDGE,
+    Cause.STEERING_MIRRORED,
+    Cause.STEERING_CONTRADICTS,
+)
+"""those of the controller's notices that are more than words to the operator"""
 _SPECIFIC = {Cause.ACTUATOR_RELEASED: -1, Cause.GATE_LATE: 1}
 """causes that explain less, or more, than the others of the same response"""
 
@@ -169,6 +167,7 @@ _SPECIFIC = {Cause.ACTUATOR_RELEASED: -1, Cause.GATE_LATE: 1}
 def present(observation: Observation, settings: SafetySettings) -> tuple[Cause, ...]:
     """Return the causes that are present, in the order of their codes."""
     found = {cause for cause, holds in _PRESENT.items() if holds(observation, settings)}
+    found |= {cause for cause in _REPORTED if cause.value in observation.notices}
     found |= {BY_READINESS[each] for each in observation.readiness if each is not Readiness.READY}
     return tuple(sorted(found, key=lambda cause: int(cause.value)))
 

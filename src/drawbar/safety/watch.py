@@ -8,7 +8,6 @@ from typing import Any
 from drawbar.messages import CommandMessage, ControllerState, Heartbeat, Mode, Role, SupervisorState
 from drawbar.nanoseconds import seconds
 from drawbar.protocols.actuator import Readiness, SteeringReport
-from drawbar.safety.causes import Cause
 from drawbar.safety.conditions import Observation
 from drawbar.safety.engagement import STEERING
 from drawbar.safety.envelope import is_after
@@ -149,10 +148,7 @@ class Watch:
             "on_line": self._on_line,
             "hitch_angle": state.hitch_angle,
             "backwards": state.status == Status.BACKWARDS,
-            "rejected": Cause.POSITION_REJECTED.value in state.notices,
-            "far_apart": Cause.ANTENNA_DISTANCE.value in state.notices,
-            "mirrored": Cause.STEERING_MIRRORED.value in state.notices,
-            "turns_otherwise": Cause.STEERING_CONTRADICTS.value in state.notices,
+            "notices": state.notices,
             # while it stops, the gate may have limited what the controller commanded
             "not_following": state.status == Status.STEERING and supervisor is not SupervisorState.STOPPING,
             "wiggled": state.wiggled == 1,

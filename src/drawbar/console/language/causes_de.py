@@ -81,6 +81,8 @@ CAUSES_DE: Mapping[Cause, tuple[str, str]] = {
         "nachsehen, ob beide Antennen und die Sensoren von Kupplung und Gelenk fest sind, dann neu kalibrieren"),
     Cause.ANGLE_SCALE: ("der Sensor von Kupplung oder Gelenk zeigt um ein Zehntel zu viel oder zu wenig",
         "beide Sensoren kalibrieren; drawbar identify sagt, um wie viel ihre Winkel solange berichtigt werden"),
+    Cause.FIELD_EDGE: ("die Feldgrenze ist gleich voraus, oder sie ist überfahren",
+        "ins Feld zurückfahren; path.beyond_boundary sagt, wie weit drawbar darüber hinaus lenken darf"),
     Cause.TOO_SLOW: ("das Fahrzeug steht oder ist zu langsam",
         "anfahren, dann einschalten"),
     Cause.TOO_FAST: ("das Fahrzeug ist zu schnell",

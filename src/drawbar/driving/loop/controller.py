@@ -9,10 +9,12 @@ from drawbar.driving.fault_detection.sensor_faults import Change, SensorFaults
 from drawbar.driving.loop.curve_limits import within_envelope
 from drawbar.driving.loop.driven_line import DrivenLine
 from drawbar.driving.loop.estimate_uncertainty import Uncertainty, uncertainty_of
+from drawbar.driving.loop.field_fence import FieldFence
 from drawbar.driving.loop.line_selection import LineSelection
 from drawbar.geometry import wrap
 from drawbar.guidance.path import Path
 from drawbar.messages import CommandMessage, ControllerState, Fixes, GateState, Mode, SupervisorState
+from drawbar.safety.causes import Cause
 from drawbar.signals import Command, FixQuality, Measurement, Status, StepRecord
 from drawbar.step.build import build_autopilot
 
@@ -33,19 +35,23 @@ class Controller:
     While it is not engaged, it looks on: a run begins by itself wherever the vehicle comes near the path.
     """
 
-    def __init__(self, configuration: Configuration, path: Path, fingerprint: int) -> None:
+    def __init__(
+        self, configuration: Configuration, path: Path, fingerprint: int, fence: FieldFence | None = None
+    ) -> None:
         """Build the autopilot.
 
         Args:
             configuration: of the run.
             path: to drive along.
             fingerprint: of the safety settings that the gate has.
+            fence: of the field; None: it has no boundary that is known, or the gate's decisions are those of a log.
 
         Raises:
             PathError: the gate would not let the path be driven at the set speed.
             DrawbarError: the autopilot cannot be built.
         """
         self._configuration, self._fingerprint = configuration, fingerprint
+        self._fence, self._at_edge = fence, False
         self._drives = configuration.devices is not None and configuration.devices.speed == "isobus"
         line = DrivenLine.first(configuration, path)
         self.wiggled = False
@@ -98,6 +104,8 @@ class Controller:
             self._autopilot.set_engaged(self.engaged)
             self._stands = False
             self._rollback.clear()
+            if self._fence is not None:
+                self._fence.begin()
             self._lines.retry()
         offset = state.line * self._configuration.path.working_width
         self._lines.choose(offset, state.nudge, self._record, engaged=self.engaged)
@@ -180,6 +188,7 @@ class Controller:
             if (change := self._faults.update(record, engaged=self.engaged)) is not None:
                 self._recompute(change)
             self._faults.update_notices(record)
+            self._at_edge = self._fence is not None and self._fence.is_reached(record, self._lines.line)
             self.uncertainty = Uncertainty() if self._faults.exclusion.is_active else uncertainty
         return record
 
@@ -241,7 +250,7 @@ class Controller:
             receiver_speed=receiver_speed,
             line_offset=line.offset + line.nudge,
             against=int(line.against),
-            notices=self._faults.notices,
+            notices=((Cause.FIELD_EDGE.value, *self._faults.notices[:-1]) if self._at_edge else self._faults.notices),
         )
 
     def _trailer_quality(self, measurement: Measurement) -> FixQuality:

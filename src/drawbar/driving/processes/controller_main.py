@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 from drawbar.config import load_configuration
 from drawbar.driving.loop.control_loop import ControlLoop
 from drawbar.driving.loop.controller import Controller
+from drawbar.driving.loop.field_fence import build_fence
 from drawbar.driving.messaging.datagrams import EstimateDeviations, PackedStep, pack
 from drawbar.driving.messaging.endpoint import Endpoint
 from drawbar.driving.messaging.heartbeat import HeartbeatSender
@@ -44,7 +45,8 @@ def main() -> int:
     heartbeat, shutdown = HeartbeatSender(Role.CONTROLLER, endpoint, options.socket(GATE)), ShutdownRequest()
     outputs = Outputs(gate, endpoint, options)
     path, _ = build_path(configuration)
-    controller, look = Controller(configuration, path, configuration.safety.fingerprint()), 0
+    fence, look = build_fence(configuration), 0
+    controller = Controller(configuration, path, configuration.safety.fingerprint(), fence)
     loop = ControlLoop(
         controller,
         Sampler(configuration.sample_time, has_trailer=configuration.has_trailer_receiver),

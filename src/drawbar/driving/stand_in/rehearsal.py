@@ -13,6 +13,7 @@ from drawbar.config import Configuration
 from drawbar.driving.devices.actuators import isobus_wire, listened
 from drawbar.driving.loop.control_loop import ControlLoop
 from drawbar.driving.loop.controller import Controller
+from drawbar.driving.loop.field_fence import build_fence
 from drawbar.driving.operator.requests import DemonstrationOperator, Operator
 from drawbar.driving.processes.guard_main import OFF, Guard
 from drawbar.driving.stand_in.memory_transports import MemoryBus, MemoryChannel, MemoryOperatorChannel, MemoryTransport
@@ -105,7 +106,7 @@ class Rehearsal:
         self._fixes: list[Fixes] = []
         self._states: list[GateState] = []
         self.loop = ControlLoop(
-            Controller(configuration, path, safety.fingerprint()),
+            Controller(configuration, path, safety.fingerprint(), build_fence(configuration)),
             Sampler(configuration.sample_time, has_trailer=configuration.has_trailer_receiver),
             send=self._send,
             record=lambda record: self._records.append((record, self.machine.world.truth)),

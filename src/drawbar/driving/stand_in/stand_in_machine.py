@@ -5,6 +5,7 @@ from enum import Enum
 from functools import partial
 
 from drawbar.config import Configuration
+from drawbar.driving.loop.field_fence import build_fence
 from drawbar.geometry import LocalFrame
 from drawbar.guidance.path import Path
 from drawbar.machine.hardware.devices import DeviceSettings
@@ -49,13 +50,16 @@ def stand_in_machine(
 
     Args:
         configuration: of the run.
-        path: where its start is.
+        path: where its start is, or where the path comes into the field.
         frame: of the path.
         seed: of everything random.
         bus: its end of the ISOBUS, where the devices name one.
         firmware: of all boards.
     """
-    ticking, devices = _with_yaw(configuration).model_copy(update={"sample_time": TICK}), configuration.devices
+    fence, start, devices = build_fence(configuration), configuration.start, configuration.devices
+    ahead = start.ahead if fence is None else max(start.ahead, fence.entry(path))
+    changes = {"sample_time": TICK, "start": start.model_copy(update={"ahead": ahead})}
+    ticking = _with_yaw(configuration).model_copy(update=changes)
     boards: dict[str, tuple[StandInBoard, HeldWheel]] = {}
     encoders: dict[str, Encoder] = {}
     for index, body in enumerate(BODIES):

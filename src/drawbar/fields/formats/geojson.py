@@ -1,6 +1,7 @@
 """GeoJSON (RFC 7946): lines as LineStrings with their "name", the boundary as a Polygon, alone or in a MultiPolygon."""
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,8 @@ from drawbar.fields.field import Degrees, Field, make_field
 from drawbar.geometry import Floats
 from drawbar.guidance.importers.geojson import features_of, name_of, position, require_wgs84
 
+_AREAS = ("Polygon", "MultiPolygon")
+
 
 def read(path: Path) -> tuple[Field, ...]:
     """Return the field of a file; further polygons, holes and points are left out. Raises PathError with the place."""
@@ -16,24 +19,38 @@ def read(path: Path) -> tuple[Field, ...]:
     boundary: Degrees | None = None
     left_out = []
     name, features = features_of(path)
-    for index, feature in enumerate(features):
-        geometry: Any = feature.get("geometry") if isinstance(feature, dict) and "geometry" in feature else feature
-        place = f"{path}, feature {index}"
-        if not isinstance(geometry, dict):  # a feature without a place, or none at all
-            continue
-        for member in (feature, geometry):
-            require_wgs84(member, place)
-        kind, called = geometry.get("type"), name_of(feature, "")
+    for called, geometry, place in _geometries(path, features):
+        kind = geometry.get("type")
         if kind == "LineString":
             lines.append((called, _degrees(geometry.get("coordinates"), place)))
         elif kind == "MultiLineString":
             lines += [(called, _degrees(part, place)) for part in _list(geometry, place)]
-        elif kind in ("Polygon", "MultiPolygon") and boundary is None:
+        elif kind in _AREAS and boundary is None:
             boundary, besides = _edge(geometry, place)
             left_out += besides
         else:
             left_out.append(f"{kind} {called}".strip())
     return (make_field(str(path), name or path.stem, lines, boundary, left_out),)
+
+
+def read_edge(path: Path) -> Floats | None:
+    """Return latitude and longitude (2, n) of the boundary alone, degrees; None: there is none. Errors as read."""
+    for _, geometry, place in _geometries(path, features_of(path)[1]):
+        if geometry.get("type") in _AREAS:
+            boundary = make_field(str(path), "", (), _edge(geometry, place)[0]).boundary
+            return None if boundary is None else boundary.T
+    return None
+
+
+def _geometries(path: Path, features: list[Any]) -> Iterator[tuple[str, dict[str, Any], str]]:
+    """Yield name, geometry and place of each feature that has a geometry; PathError: one is not in WGS84."""
+    for index, feature in enumerate(features):
+        geometry: Any = feature.get("geometry") if isinstance(feature, dict) and "geometry" in feature else feature
+        place = f"{path}, feature {index}"
+        if isinstance(geometry, dict):  # else a feature without a place, or none at all
+            for member in (feature, geometry):
+                require_wgs84(member, place)
+            yield name_of(feature, ""), geometry, place
 
 
 def _edge(geometry: dict[str, Any], place: str) -> tuple[Degrees, list[str]]:

@@ -61,6 +61,13 @@ def field_lines(folder: Path) -> tuple[LocalFrame, list[RecordedLine], Boundary 
     return _frame(files[_ORIGIN.lower()]), lines, edge, left_out
 
 
+def field_edge(folder: Path) -> tuple[Floats, Floats] | None:
+    """Return latitude and longitude (degrees, (n,)) of a field folder's edge, or None; errors as read_agopengps."""
+    files = _files(folder)
+    edge = _edge(files)
+    return plane_to_wgs84(edge.ring[:, 0], edge.ring[:, 1], _frame(files[_ORIGIN.lower()])) if edge else None
+
+
 def _files(folder: Path) -> dict[str, Path]:
     """Return a field folder's files by their names in small letters."""
     files = {file.name.lower(): file for file in sorted(folder.iterdir(), reverse=True) if file.is_file()}

@@ -20,7 +20,7 @@ def load_line(path: Path, track: str | None, extension: float = 0.0) -> Recorded
     `extension` is how far A-B lines continue, m; 0: to the field's boundary. The points of a file's other lines are not
     looked at. Raises PathError when nothing readable is there, or when the name is missing, unknown or not unique.
     """
-    folder = _field_folder(path)
+    folder = field_folder(path)
     if folder is not None:
         return read_agopengps(folder, track, extension)
     return _reader(path)(path, track)
@@ -28,13 +28,13 @@ def load_line(path: Path, track: str | None, extension: float = 0.0) -> Recorded
 
 def line_names(path: Path) -> list[str]:
     """Return the names of all lines of a field folder, CSV or GeoJSON file; errors as load_line."""
-    folder = _field_folder(path)
+    folder = field_folder(path)
     if folder is not None:
         return agopengps_names(folder)
     return geojson_names(path) if _reader(path) is read_geojson else [path.stem]
 
 
-def _field_folder(path: Path) -> Path | None:
+def field_folder(path: Path) -> Path | None:
     """Return the field folder that a path names, or one of whose files; None: it names another file."""
     if path.is_dir():
         return path
