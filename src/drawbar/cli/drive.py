@@ -81,11 +81,9 @@ def drive(
 
     With --pace, stand-ins alone: all clocks and time-outs of the drive are so many times as fast.
     """
-    from drawbar.cli.calibrate import remember as keep_steerings
     from drawbar.cli.interrupts import Interrupts
     from drawbar.driving.processes.drive_processes import DriveProcesses
     from drawbar.extras import require_extra
-    from drawbar.recording.log import LOG_NAME
 
     options = _console_options(pages, out, pace) if with_console else None
     require_extra("drawbar drive", "machine")
@@ -105,9 +103,7 @@ def drive(
             config, folder, stand_ins=stand_ins, shadow=shadow, pace=pace, live=shown, console=options
         )
         failed = _run(processes, folder, options, interrupts, demonstrates=demonstrates, seconds=seconds)
-        _report(folder)
-        if remember:
-            keep_steerings(FilePath(configuration), folder / LOG_NAME)
+        _report(folder, FilePath(configuration) if remember else None)
     if failed:
         raise SystemExit(1)
 
@@ -188,14 +184,19 @@ def _shown_at(port: int) -> int:
     return chosen
 
 
-def _report(folder: FilePath) -> None:
-    """Print the figures and write the report."""
+def _report(folder: FilePath, remembers: FilePath | None) -> None:
+    """Print the figures and write the report; keep the steerings beside a configuration, also where no report is."""
+    from drawbar.cli.calibrate import remember
     from drawbar.errors import StorageError
     from drawbar.recording.log import LOG_NAME
 
     if not (folder / LOG_NAME).exists():
         raise StorageError(_NOT_THERE.format(folder=folder))
-    show_and_write(folder / LOG_NAME, folder)
+    try:
+        show_and_write(folder / LOG_NAME, folder)
+    finally:
+        if remembers is not None:
+            remember(remembers, folder / LOG_NAME)
 
 
 def _drive(processes: "DriveProcesses", interrupts: "Interrupts", *, demonstrates: bool, seconds: float) -> bool:

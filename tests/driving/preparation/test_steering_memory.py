@@ -9,10 +9,12 @@ import pytest
 from typer.testing import CliRunner
 
 from drawbar.cli import calibrate as cli_calibrate
+from drawbar.cli import drive as cli_drive
 from drawbar.cli.main import app
 from drawbar.config import load_configuration
 from drawbar.driving.preparation.steering_memory import longest_steering, steering_memory
 from drawbar.driving.stand_in.demonstration import with_stand_ins
+from drawbar.errors import StorageError
 from drawbar.estimation.actuation_settings import SteeringMemories
 from drawbar.signals import Flag
 from drawbar.simulation import Simulation
@@ -146,6 +148,20 @@ def test_there_must_be_a_file_to_remember_beside_and_something_that_is_steered(g
     assert code == 2
     assert "--remember" in told
     assert "leave out" in told
+
+
+def test_steerings_are_kept_also_where_the_report_cannot_be_written(tmp_path, monkeypatch):
+    kept = []
+
+    def full(log, folder):
+        raise StorageError("no room")
+
+    (tmp_path / "log.mcap").touch()
+    monkeypatch.setattr(cli_drive, "show_and_write", full)
+    monkeypatch.setattr(cli_calibrate, "remember", lambda *given: kept.append(given))
+    with pytest.raises(StorageError, match="no room"):
+        cli_drive._report(tmp_path, tmp_path / "my.toml")
+    assert kept == [(tmp_path / "my.toml", tmp_path / "log.mcap")]
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="real machines are driven by Linux only")
