@@ -2,6 +2,7 @@
 
 import json
 import math
+import tracemalloc
 from dataclasses import replace
 from pathlib import Path
 
@@ -67,6 +68,20 @@ def test_what_is_inside_is_what_the_edge_winds_about():
     fence = FieldFence(load_configuration("articulated", [STRICT]), ring)
     assert fence.contains(points).tolist() == [abs(angles_sum(ring, point)) > 0.5 for point in points]
     assert 50 < fence.contains(points).sum() < 450
+
+
+def test_a_boundary_of_100000_points_is_looked_at_near_the_vehicle_alone():
+    bearing = np.linspace(0.0, 2.0 * math.pi, 100_000, endpoint=False)
+    ring = 300.0 * np.column_stack([np.cos(bearing), np.sin(bearing)])
+    fence = FieldFence(load_configuration("articulated"), ring)
+    path = figure_eights((10.0,), 960.0)
+    tracemalloc.start()
+    points = path.sample(np.arange(0.0, path.length, 0.25))[:, :2]
+    found = fence.contains(points)
+    assert tracemalloc.get_traced_memory()[1] < 100e6
+    tracemalloc.stop()
+    assert (found == (np.hypot(*points.T) <= 301.0)).all()
+    assert 0.01 < found.mean() < 0.99
 
 
 @pytest.mark.parametrize("beyond", [0.3, 1.0, 5.0])

@@ -22,6 +22,8 @@ _REACTION, _DECELERATION = 1.2, 1.5
 """of the driver who is told to stop, s, and of the vehicle, m/s²"""
 _APART = 0.25
 """between points of the path that are looked at, m"""
+_TOGETHER = 64
+"""points that are looked at together"""
 _STAYS = 20.0
 """length of a piece of the path in the field on which a stand-in begins, m"""
 
@@ -34,32 +36,24 @@ class FieldFence:
     def __init__(self, configuration: Configuration, ring: Floats) -> None:
         """Take the field's edge: (n, 2), m, in the frame of the path; the last point joins the first."""
         self._wheelbase, self._speed = configuration.vehicle.wheelbase, configuration.speed
-        self._from, self._edges = ring, np.roll(ring, -1, axis=0) - ring
+        self._begins, self._edges = ring, np.roll(ring, -1, axis=0) - ring
+        self._spans = np.sort([ring[:, 1], ring[:, 1] + self._edges[:, 1]], axis=0).T
         self._beyond = configuration.path.beyond_boundary
         self._trailer_was_inside = False
 
     def contains(self, points: Floats) -> Truths:
         """Return (n,) whether points (n, 2), m, are inside, or no farther outside than allowed."""
-        inside = self._surrounds(points)
-        inside[~inside] = self._distances(points[~inside]) <= self._beyond
+        pieces = [self._contains(points[i : i + _TOGETHER]) for i in range(0, len(points), _TOGETHER)]
+        return np.concatenate([*pieces, np.zeros(0, bool)])
+
+    def _contains(self, points: Floats) -> Truths:
+        """Do it with the edges alone that are not north or south of all of them: a field may have 100,000."""
+        low, high = points[:, 1].min() - self._beyond, points[:, 1].max() + self._beyond
+        beside = (self._spans[:, 0] <= high) & (self._spans[:, 1] >= low)
+        begins, edges = self._begins[beside], self._edges[beside]
+        inside = _surrounds(begins, edges, points)
+        inside[~inside] = _distances(begins, edges, points[~inside]) <= self._beyond
         return inside
-
-    def _surrounds(self, points: Floats) -> Truths:
-        """Return (n,) whether a ray from points (n, 2), m, to the east crosses the edge an odd number of times."""
-        x, y = (points[:, None, i] - self._from[:, i] for i in range(2))
-        along, up = self._edges.T
-        crosses = (y < 0.0) != (y < up)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            odd: Truths = (crosses & (x < y / up * along)).sum(axis=1) % 2 == 1
-        return odd
-
-    def _distances(self, points: Floats) -> Floats:
-        """Return (n,) the distances of points (n, 2) from the edge, m."""
-        apart = points[:, None] - self._from
-        lengths = np.maximum((self._edges**2).sum(axis=1), np.finfo(float).tiny)
-        shares = np.clip((apart * self._edges).sum(axis=2) / lengths, 0.0, 1.0)
-        distances: Floats = np.linalg.norm(apart - shares[..., None] * self._edges, axis=2).min(axis=1)
-        return distances
 
     def outside(self, path: Path) -> float:
         """Return how much of a path lies farther outside than allowed, m."""
@@ -115,3 +109,23 @@ def build_fence(configuration: Configuration) -> FieldFence | None:
 def _axles(estimate: Estimate) -> Floats:
     """Return the middle of the tractor's rear axle, and of the trailer's, (2, 2) m."""
     return np.array([(body.x, body.y) for body in (estimate.tractor, estimate.trailer)])
+
+
+def _surrounds(begins: Floats, edges: Floats, points: Floats) -> Truths:
+    """Return (n,) whether a ray to the east from points (n, 2) crosses edges (m, 2) an odd number of times."""
+    x, y = (points[:, None, i] - begins[:, i] for i in range(2))
+    along, up = edges.T
+    crosses = (y < 0.0) != (y < up)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        odd: Truths = (crosses & (x < y / up * along)).sum(axis=1) % 2 == 1
+    return odd
+
+
+def _distances(begins: Floats, edges: Floats, points: Floats) -> Floats:
+    """Return (n,) the distances of points (n, 2) from edges (m, 2), m; infinite without an edge."""
+    apart = points[:, None] - begins
+    lengths = np.maximum((edges**2).sum(axis=1), np.finfo(float).tiny)
+    shares = np.clip((apart * edges).sum(axis=2) / lengths, 0.0, 1.0)
+    away = np.linalg.norm(apart - shares[..., None] * edges, axis=2)
+    distances: Floats = away.min(axis=1, initial=math.inf)
+    return distances
