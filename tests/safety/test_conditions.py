@@ -142,6 +142,12 @@ def test_what_the_controller_reports_is_a_cause(cause):
     assert causes(notices=(Cause.RECEIVER_SILENT.value, cause.value, 0)) == (cause,)
 
 
+@pytest.mark.parametrize("cause", [Cause.OUTSIDE_TUBE, Cause.TUBE_LOST], ids=lambda cause: cause.name)
+def test_the_tube_counts_once_the_line_has_been_reached(cause):
+    assert causes(notices=(cause.value, 0)) == ()
+    assert causes(notices=(cause.value, 0), on_line=True) == (cause,)
+
+
 def test_what_is_only_said_to_the_operator_is_none():
     assert causes(notices=(Cause.RECEIVER_SILENT.value, 0)) == ()
 

@@ -121,6 +121,10 @@ class Cause(Enum):
         "calibrate both sensors; drawbar identify tells by how much the angles are corrected meanwhile")
     FIELD_EDGE = (226, True, Response.STOP, "the field's boundary is just ahead, or has been crossed",
         "drive back into the field; path.beyond_boundary says how far drawbar may steer beyond it")
+    OUTSIDE_TUBE = (227, False, Response.DEGRADE, "a body is farther from its plan than noise and ground explain",
+        "see what pushes or slows it; else compare the vehicle's lengths, limits and delays with the machine")
+    TUBE_LOST = (228, False, Response.STOP, "a body has been outside its tube for 2 s, which nothing ordinary explains",
+        "compare the vehicle's lengths, limits and delays with the machine; drawbar tube --from-log helps")
 
     TOO_SLOW = (301, True, Response.NONE, "the vehicle stands or is too slow",
         "begin to drive, then engage")

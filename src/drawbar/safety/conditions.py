@@ -160,6 +160,8 @@ _REPORTED = (
     Cause.STEERING_CONTRADICTS,
 )
 """those of the controller's notices that are more than words to the operator"""
+_ON_LINE = (Cause.OUTSIDE_TUBE, Cause.TUBE_LOST)
+"""those that count once the line has been reached"""
 _SPECIFIC = {Cause.ACTUATOR_RELEASED: -1, Cause.GATE_LATE: 1}
 """causes that explain less, or more, than the others of the same response"""
 
@@ -167,7 +169,8 @@ _SPECIFIC = {Cause.ACTUATOR_RELEASED: -1, Cause.GATE_LATE: 1}
 def present(observation: Observation, settings: SafetySettings) -> tuple[Cause, ...]:
     """Return the causes that are present, in the order of their codes."""
     found = {cause for cause, holds in _PRESENT.items() if holds(observation, settings)}
-    found |= {cause for cause in _REPORTED if cause.value in observation.notices}
+    reported = (*_REPORTED, *(_ON_LINE if observation.on_line else ()))
+    found |= {cause for cause in reported if cause.value in observation.notices}
     found |= {BY_READINESS[each] for each in observation.readiness if each is not Readiness.READY}
     return tuple(sorted(found, key=lambda cause: int(cause.value)))
 

@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 
 from drawbar.config import Configuration
+from drawbar.driving.fault_detection.notices import MOST
 from drawbar.driving.fault_detection.rollback import Rollback
 from drawbar.driving.fault_detection.sensor_faults import Change, SensorFaults
 from drawbar.driving.loop.curve_limits import within_envelope
@@ -11,6 +12,7 @@ from drawbar.driving.loop.driven_line import DrivenLine
 from drawbar.driving.loop.estimate_uncertainty import Uncertainty, uncertainty_of
 from drawbar.driving.loop.field_fence import FieldFence
 from drawbar.driving.loop.line_selection import LineSelection
+from drawbar.driving.loop.tube_exit import TubeExit
 from drawbar.geometry import wrap
 from drawbar.guidance.path import Path
 from drawbar.messages import CommandMessage, ControllerState, Fixes, GateState, Mode, SupervisorState
@@ -52,6 +54,7 @@ class Controller:
         """
         self._configuration, self._fingerprint = configuration, fingerprint
         self._fence, self._at_edge = fence, False
+        self._tube = TubeExit(configuration.sample_time)
         self._drives = configuration.devices is not None and configuration.devices.speed == "isobus"
         line = DrivenLine.first(configuration, path)
         self.wiggled = False
@@ -188,6 +191,7 @@ class Controller:
             if (change := self._faults.update(record, engaged=self.engaged)) is not None:
                 self._recompute(change)
             self._faults.update_notices(record)
+            self._tube.update(record, engaged=self.engaged)
             self._at_edge = self._fence is not None and self._fence.is_reached(record, self._lines.line)
             self.uncertainty = Uncertainty() if self._faults.exclusion.is_active else uncertainty
         return record
@@ -250,8 +254,13 @@ class Controller:
             receiver_speed=receiver_speed,
             line_offset=line.offset + line.nudge,
             against=int(line.against),
-            notices=((Cause.FIELD_EDGE.value, *self._faults.notices[:-1]) if self._at_edge else self._faults.notices),
+            notices=self._notices(),
         )
+
+    def _notices(self) -> tuple[int, ...]:
+        """Return the codes of what the controller has found, as many as a record holds: what acts before mere words."""
+        edge = (Cause.FIELD_EDGE.value,) if self._at_edge else ()
+        return (*edge, *self._tube.notices, *self._faults.notices)[:MOST]
 
     def _trailer_quality(self, measurement: Measurement) -> FixQuality:
         return measurement.tractor_fix_quality if self.receivers == 1 else measurement.trailer_fix_quality

@@ -1,4 +1,4 @@
-"""Field fence: whether the vehicle is about to cross the field's boundary, or has. Pure.
+"""Field fence: whether the vehicle is about to cross the field's boundary, or has.
 
 The tractor follows its path within centimetres, so the path shows where it will be. It must be inside as far as the
 front axle comes until the vehicle stands: in a headland pass the tractor may face the boundary and yet never come near.
