@@ -1,8 +1,10 @@
 """The field's boundary: what is inside, how far ahead it counts, and a drive that stops before it."""
 
+import io
 import json
 import math
 import tracemalloc
+import zipfile
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,11 +17,13 @@ from drawbar.driving.loop.driven_line import DrivenLine
 from drawbar.driving.loop.field_fence import FieldFence, build_fence
 from drawbar.driving.stand_in.rehearsal import Rehearsal
 from drawbar.errors import PathError
-from drawbar.fields.edge import load_edge
+from drawbar.fields.edge import FieldEdge, load_edge
+from drawbar.fields.exchange import read_fields
 from drawbar.fields.field import Field, FieldLine
-from drawbar.fields.formats import geojson
+from drawbar.fields.formats import agopengps, geojson
 from drawbar.geometry import LocalFrame
 from drawbar.guidance.figure_eight import figure_eights
+from drawbar.guidance.importers.agopengps import field_lines, wgs84_to_plane
 from drawbar.messages import SupervisorState
 from drawbar.safety.causes import Cause
 from drawbar.simulation import Simulation, build_path
@@ -36,6 +40,10 @@ SQUARE = np.array([[-20.0, -30.0], [EAST, -30.0], [EAST, 30.0], [-20.0, 30.0]])
 def degrees(points):
     latitude, longitude, _ = FRAME.wgs84(points[:, 0], points[:, 1], np.zeros(len(points)))
     return np.column_stack([latitude, longitude])
+
+
+def box(west, east, south, north):
+    return FieldEdge(ring=np.array([[west, south], [east, south], [east, north], [west, north]]))
 
 
 @pytest.fixture
@@ -65,7 +73,7 @@ def test_what_is_inside_is_what_the_edge_winds_about():
     bearing = np.sort(chance.uniform(0.0, 2.0 * math.pi, 40))
     ring = chance.uniform(5.0, 50.0, 40)[:, None] * np.column_stack([np.cos(bearing), np.sin(bearing)])
     points = chance.uniform(-50.0, 50.0, (500, 2))
-    fence = FieldFence(load_configuration("articulated", [STRICT]), ring)
+    fence = FieldFence(load_configuration("articulated", [STRICT]), FieldEdge(ring=ring))
     assert fence.contains(points).tolist() == [abs(angles_sum(ring, point)) > 0.5 for point in points]
     assert 50 < fence.contains(points).sum() < 450
 
@@ -73,7 +81,7 @@ def test_what_is_inside_is_what_the_edge_winds_about():
 def test_a_boundary_of_100000_points_is_looked_at_near_the_vehicle_alone():
     bearing = np.linspace(0.0, 2.0 * math.pi, 100_000, endpoint=False)
     ring = 300.0 * np.column_stack([np.cos(bearing), np.sin(bearing)])
-    fence = FieldFence(load_configuration("articulated"), ring)
+    fence = FieldFence(load_configuration("articulated"), FieldEdge(ring=ring))
     path = figure_eights((10.0,), 960.0)
     tracemalloc.start()
     points = path.sample(np.arange(0.0, path.length, 0.25))[:, :2]
@@ -86,7 +94,7 @@ def test_a_boundary_of_100000_points_is_looked_at_near_the_vehicle_alone():
 
 @pytest.mark.parametrize("beyond", [0.3, 1.0, 5.0])
 def test_so_far_beyond_the_edge_is_allowed(beyond):
-    fence = FieldFence(load_configuration("articulated", [f"path.beyond_boundary={beyond}"]), SQUARE)
+    fence = FieldFence(load_configuration("articulated", [f"path.beyond_boundary={beyond}"]), FieldEdge(ring=SQUARE))
     near, far = beyond - 0.01, beyond + 0.01
     corner = np.array([EAST, 30.0]) + np.outer([near, far], (0.6, 0.8))
     sides = np.array([[EAST + near, 0.0], [EAST + far, 0.0], [5.0, -30.0 - near], [5.0, -30.0 - far]])
@@ -95,10 +103,45 @@ def test_so_far_beyond_the_edge_is_allowed(beyond):
 
 def test_the_edge_is_on_the_frame_of_the_line(field):
     configuration = configured(field)
-    edge = load_edge(field, local_frame(configuration))
+    edge = load_edge(field, local_frame(configuration)).ring
     x, y, yaw, _ = build_path(configuration)[0].sample(np.zeros(1))[0]
     ahead = (edge - (x, y)) @ np.array([[math.cos(yaw), -math.sin(yaw)], [math.sin(yaw), math.cos(yaw)]])
     assert np.abs(ahead - SQUARE).max() < 1e-3
+
+
+def test_a_hole_is_not_driven_into(step):
+    configuration = load_configuration("articulated", ["path.radii=[20.0]", "path.straight_length=120.0"])
+    path = build_path(configuration)[0]
+    start = path.sample(np.zeros(1))[0, :2]
+    pond = start + np.array([[20.0, -2.0], [25.0, -2.0], [25.0, 2.0], [20.0, 2.0]])
+    fence = FieldFence(configuration, FieldEdge(ring=SQUARE + start, holes=(pond,)))
+    line = DrivenLine.first(configuration, path)
+    reached = {s: fence.is_reached(at(step, path, s, speed=1.0), line) for s in (10.0, 17.5, 22.0, 26.0, 29.0)}
+    assert reached == {10.0: False, 17.5: True, 22.0: True, 26.0: True, 29.0: False}
+
+
+@pytest.mark.parametrize("kind", ["geojson", "agopengps"])
+def test_holes_are_read_with_the_boundary(field, tmp_path, kind):
+    hole = np.array([[10.0, 3.0], [14.0, 3.0], [14.0, 9.0]])
+    path = field
+    if kind == "geojson":
+        document = json.loads(field.read_text("utf-8"))
+        area = next(each["geometry"] for each in document["features"] if each["geometry"]["type"] == "Polygon")
+        area["coordinates"].append([[east, north] for north, east in degrees(hole).tolist()])
+        field.write_text(json.dumps(document), "utf-8")
+    else:
+        path = tmp_path / "field"
+        with zipfile.ZipFile(io.BytesIO(agopengps.write(read_fields(field, FRAME)[0]))) as archive:
+            archive.extractall(tmp_path)
+        path = next(each.parent for each in tmp_path.rglob("Boundary.txt"))
+        latitude, longitude = degrees(hole).T
+        east, north = wgs84_to_plane(latitude, longitude, field_lines(path)[0])
+        ring = [f"{x:.4f},{y:.4f},0" for x, y in zip(east, north, strict=True)]
+        with (path / "Boundary.txt").open("a") as file:
+            file.write("\n".join(["True", "3", "0,0,0", "5,0,0", "0,5,0", "False", "3", *ring, ""]))
+    edge = load_edge(path, FRAME)
+    assert len(edge.holes) == 1
+    assert np.abs(edge.holes[0] - hole).max() < 2e-3
 
 
 def test_a_file_without_a_boundary_has_no_fence(tmp_path):
@@ -124,7 +167,7 @@ def test_a_boundary_that_is_none_is_refused(field):
 def test_a_path_comes_in_where_it_stays(field, west, east, entry):
     configuration = configured(field)
     path, _ = build_path(configuration)
-    fence = FieldFence(configuration, np.array([[west, -9.0], [east, -9.0], [east, 9.0], [west, 9.0]]))
+    fence = FieldFence(configuration, box(west, east, -9.0, 9.0))
     assert fence.entry(path) == pytest.approx(entry, abs=0.3)
 
 
@@ -160,7 +203,7 @@ def test_the_boundary_counts_as_far_as_the_front_axle_comes_until_the_vehicle_st
     configuration = configured(field, "path.file=", "path.radii=[20.0]", "path.straight_length=120.0")
     path, wheelbase = build_path(configuration)[0], configuration.vehicle.wheelbase
     start = path.sample(np.zeros(1))[0, :2]
-    fence = FieldFence(configuration, SQUARE + start)
+    fence = FieldFence(configuration, FieldEdge(ring=SQUARE + start))
     line = DrivenLine.first(configuration, path)
     reached = [fence.is_reached(at(step, path, s, speed=speed), line) for s in np.arange(10.0, EAST, 0.1)]
     first = 10.0 + 0.1 * reached.index(True)
@@ -173,7 +216,7 @@ def test_a_headland_pass_that_turns_before_the_boundary_is_driven(step):
     path = figure_eights((10.0,), 20.0)
     points = path.sample(np.arange(0.0, path.length, 0.5))[:, :2]
     (left, low), (right, high) = points.min(axis=0) - 1.0, points.max(axis=0) + 1.0
-    fence = FieldFence(configuration, np.array([[left, low], [right, low], [right, high], [left, high]]))
+    fence = FieldFence(configuration, box(left, right, low, high))
     line = DrivenLine.first(configuration, path)
     assert not any(fence.is_reached(at(step, path, s), line) for s in np.arange(4.0, path.length, 1.0))
 
@@ -184,7 +227,8 @@ def test_a_nudge_towards_the_boundary_counts(step):
     x, y, yaw, _ = path.sample(np.array([20.0]))[0].tolist()
     assert yaw == pytest.approx(0.0)
     beside = FieldFence(
-        configuration, np.array([[x - 50, y - 9], [x + 50, y - 9], [x + 50, y + 0.5], [x - 50, y + 0.5]])
+        configuration,
+        box(x - 50.0, x + 50.0, y - 9.0, y + 0.5),
     )
     line = DrivenLine.first(configuration, path)
     assert not beside.is_reached(at(step, path, 20.0), line)
@@ -196,7 +240,7 @@ def test_the_trailer_may_come_in_behind_the_tractor_but_not_out(step):
     configuration = load_configuration("articulated", [STRICT, "path.radii=[20.0]", "path.straight_length=120.0"])
     path = build_path(configuration)[0]
     start = path.sample(np.zeros(1))[0, :2]
-    fence, line = FieldFence(configuration, SQUARE + start), DrivenLine.first(configuration, path)
+    fence, line = FieldFence(configuration, FieldEdge(ring=SQUARE + start)), DrivenLine.first(configuration, path)
     outside, inside = start + np.array([[-22.0, 0.0], [5.0, 0.0]])
     assert not fence.is_reached(at(step, path, 10.0, trailer=outside), line)
     assert not fence.is_reached(at(step, path, 10.0, trailer=inside), line)

@@ -13,7 +13,8 @@ import numpy as np
 from drawbar.config import Configuration
 from drawbar.driving.devices.path_frame import local_frame
 from drawbar.driving.loop.driven_line import DrivenLine
-from drawbar.fields.edge import load_edge
+from drawbar.fields.edge import FieldEdge, load_edge
+from drawbar.fields.ring import Ring, Truths
 from drawbar.geometry import Floats
 from drawbar.guidance.path import Path
 from drawbar.signals import Estimate, StepRecord
@@ -22,37 +23,25 @@ _REACTION, _DECELERATION = 1.2, 1.5
 """of the driver who is told to stop, s, and of the vehicle, m/s²"""
 _APART = 0.25
 """between points of the path that are looked at, m"""
-_TOGETHER = 64
-"""points that are looked at together"""
 _STAYS = 20.0
 """length of a piece of the path in the field on which a stand-in begins, m"""
-
-Truths = np.ndarray[tuple[int], np.dtype[np.bool_]]
 
 
 class FieldFence:
     """The field's edge, and which bodies have been inside."""
 
-    def __init__(self, configuration: Configuration, ring: Floats) -> None:
-        """Take the field's edge: (n, 2), m, in the frame of the path; the last point joins the first."""
+    def __init__(self, configuration: Configuration, edge: FieldEdge) -> None:
+        """Take the field's edge, in the frame of the path."""
         self._wheelbase, self._speed = configuration.vehicle.wheelbase, configuration.speed
-        self._begins, self._edges = ring, np.roll(ring, -1, axis=0) - ring
-        self._spans = np.sort([ring[:, 1], ring[:, 1] + self._edges[:, 1]], axis=0).T
+        self._edge, self._holes = Ring(edge.ring), [Ring(hole) for hole in edge.holes]
         self._beyond = configuration.path.beyond_boundary
         self._trailer_was_inside = False
 
     def contains(self, points: Floats) -> Truths:
-        """Return (n,) whether points (n, 2), m, are inside, or no farther outside than allowed."""
-        pieces = [self._contains(points[i : i + _TOGETHER]) for i in range(0, len(points), _TOGETHER)]
-        return np.concatenate([*pieces, np.zeros(0, bool)])
-
-    def _contains(self, points: Floats) -> Truths:
-        """Do it with the edges alone that are not north or south of all of them: a field may have 100,000."""
-        low, high = points[:, 1].min() - self._beyond, points[:, 1].max() + self._beyond
-        beside = (self._spans[:, 0] <= high) & (self._spans[:, 1] >= low)
-        begins, edges = self._begins[beside], self._edges[beside]
-        inside = _surrounds(begins, edges, points)
-        inside[~inside] = _distances(begins, edges, points[~inside]) <= self._beyond
+        """Return (n,) whether points (n, 2), m, are in the field or no farther beyond its edge than allowed."""
+        inside = self._edge.surrounds(points, self._beyond)
+        for hole in self._holes:
+            inside &= ~hole.surrounds(points)
         return inside
 
     def outside(self, path: Path) -> float:
@@ -102,30 +91,10 @@ def build_fence(configuration: Configuration) -> FieldFence | None:
         PathError: the line or the boundary cannot be read.
     """
     settings = configuration.path
-    ring = load_edge(FilePath(settings.file), local_frame(configuration)) if settings.file else None
-    return None if ring is None else FieldFence(configuration, ring)
+    edge = load_edge(FilePath(settings.file), local_frame(configuration)) if settings.file else None
+    return None if edge is None else FieldFence(configuration, edge)
 
 
 def _axles(estimate: Estimate) -> Floats:
     """Return the middle of the tractor's rear axle, and of the trailer's, (2, 2) m."""
     return np.array([(body.x, body.y) for body in (estimate.tractor, estimate.trailer)])
-
-
-def _surrounds(begins: Floats, edges: Floats, points: Floats) -> Truths:
-    """Return (n,) whether a ray to the east from points (n, 2) crosses edges (m, 2) an odd number of times."""
-    x, y = (points[:, None, i] - begins[:, i] for i in range(2))
-    along, up = edges.T
-    crosses = (y < 0.0) != (y < up)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        odd: Truths = (crosses & (x < y / up * along)).sum(axis=1) % 2 == 1
-    return odd
-
-
-def _distances(begins: Floats, edges: Floats, points: Floats) -> Floats:
-    """Return (n,) the distances of points (n, 2) from edges (m, 2), m; infinite without an edge."""
-    apart = points[:, None] - begins
-    lengths = np.maximum((edges**2).sum(axis=1), np.finfo(float).tiny)
-    shares = np.clip((apart * edges).sum(axis=2) / lengths, 0.0, 1.0)
-    away = np.linalg.norm(apart - shares[..., None] * edges, axis=2)
-    distances: Floats = away.min(axis=1, initial=math.inf)
-    return distances

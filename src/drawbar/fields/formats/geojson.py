@@ -33,13 +33,14 @@ def read(path: Path) -> tuple[Field, ...]:
     return (make_field(str(path), name or path.stem, lines, boundary, left_out),)
 
 
-def read_edge(path: Path) -> Floats | None:
-    """Return latitude and longitude (2, n) of the boundary alone, degrees; None: there is none. Errors as read."""
+def read_edge(path: Path) -> list[Floats]:
+    """Return the boundary and its holes, (n, 2) latitude and longitude, degrees; none: empty. Errors as read."""
     for _, geometry, place in _geometries(path, features_of(path)[1]):
         if geometry.get("type") in _AREAS:
-            boundary = make_field(str(path), "", (), _edge(geometry, place)[0]).boundary
-            return None if boundary is None else boundary.T
-    return None
+            rings = [_degrees(ring, place) for ring in _rings(geometry, place)[0]]
+            fields = [make_field(str(path), "", (), ring) for ring in rings]
+            return [field.boundary for field in fields if field.boundary is not None]
+    return []
 
 
 def _geometries(path: Path, features: list[Any]) -> Iterator[tuple[str, dict[str, Any], str]]:
@@ -55,10 +56,15 @@ def _geometries(path: Path, features: list[Any]) -> Iterator[tuple[str, dict[str
 
 def _edge(geometry: dict[str, Any], place: str) -> tuple[Degrees, list[str]]:
     """Return the edge of a polygon, or of the first of several, and what else is there."""
-    polygons = _list(geometry, place) if geometry["type"] == "MultiPolygon" else [_list(geometry, place)]
-    rings = polygons[0] if polygons and isinstance(polygons[0], list) else []
+    rings, others = _rings(geometry, place)
     edge = _degrees(rings[0] if rings else None, place)
-    return edge, ["hole"] * (len(rings) - 1) + ["Polygon"] * (len(polygons) - 1)
+    return edge, ["hole"] * (len(rings) - 1) + ["Polygon"] * others
+
+
+def _rings(geometry: dict[str, Any], place: str) -> tuple[list[Any], int]:
+    """Return the rings of a polygon, or of the first of several, and how many others there are."""
+    polygons = _list(geometry, place) if geometry["type"] == "MultiPolygon" else [_list(geometry, place)]
+    return polygons[0] if polygons and isinstance(polygons[0], list) else [], len(polygons) - 1
 
 
 def _list(geometry: Any, place: str) -> list[Any]:

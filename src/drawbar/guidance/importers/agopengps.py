@@ -61,11 +61,12 @@ def field_lines(folder: Path) -> tuple[LocalFrame, list[RecordedLine], Boundary 
     return _frame(files[_ORIGIN.lower()]), lines, edge, left_out
 
 
-def field_edge(folder: Path) -> tuple[Floats, Floats] | None:
-    """Return latitude and longitude (degrees, (n,)) of a field folder's edge, or None; errors as read_agopengps."""
+def field_edge(folder: Path) -> list[Floats]:
+    """Return a field folder's edge and its holes, (n, 2) latitude and longitude, degrees; errors as read_agopengps."""
     files = _files(folder)
-    edge = _edge(files)
-    return plane_to_wgs84(edge.ring[:, 0], edge.ring[:, 1], _frame(files[_ORIGIN.lower()])) if edge else None
+    edge, frame = _edge(files), _frame(files[_ORIGIN.lower()])
+    rings = [edge.ring, *edge.holes] if edge else []
+    return [np.column_stack(plane_to_wgs84(ring[:, 0], ring[:, 1], frame)) for ring in rings]
 
 
 def _files(folder: Path) -> dict[str, Path]:

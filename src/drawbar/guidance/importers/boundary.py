@@ -1,7 +1,7 @@
 """The boundary of an AgOpenGPS field (Boundary.txt), and where a straight line enters and leaves it.
 
 The file holds after "$Boundary" for each ring True or False (whether one may drive through it), a count and as many
-points "easting,northing,heading"; the first ring is the field's edge.
+points "easting,northing,heading"; the first ring is the field's edge, further ones are areas within it.
 """
 
 from dataclasses import dataclass
@@ -23,6 +23,8 @@ class Boundary:
     source: Path
     ring: Floats
     """(n, 2): east, north, m; the last point joins the first"""
+    holes: tuple[Floats, ...] = ()
+    """rings within it through which one may not drive"""
 
     def chord(self, point: Floats, ahead: Floats, place: str) -> tuple[float, float]:
         """Return where the line through a point enters and leaves the field, m along `ahead` from the point.
@@ -55,25 +57,35 @@ class Boundary:
 def read_boundary(file: Path) -> Boundary | None:
     """Return the edge of a field; None where the file holds none. Raises PathError with file and line number."""
     rows = read_lines(file) if file.stat().st_size else []
-    head = next((index for index, row in enumerate(rows) if is_number(row)), None)
-    if head is None:
-        return None
+    rings: list[Floats] = []
+    after = 0
+    while (head := next((index for index in range(after, len(rows)) if is_number(rows[index])), None)) is not None:
+        through = any(row.strip().lower() == "true" for row in rows[after:head])
+        ring = _ring(file, rows, head)
+        after = head + 1 + len(ring)
+        if not rings and len(ring) < _FEWEST:
+            return None
+        if not rings or (len(ring) >= _FEWEST and not through):
+            rings.append(ring)
+    return Boundary(source=file, ring=rings[0], holes=tuple(rings[1:])) if rings else None
+
+
+def _ring(file: Path, rows: list[str], head: int) -> Floats:
+    """Return the points (n, 2) that a row announces."""
     announced = float(rows[head])
-    if not announced.is_integer():
+    if not (announced.is_integer() and announced >= 0.0):
         raise PathError(
             f"{file}:{head + 1}: announces {rows[head]} points; a whole number is allowed: export the field "
             f"from AgOpenGPS again"
         )
-    if (count := int(announced)) < _FEWEST:
-        return None
+    count, first = int(announced), head + 1
     if head + count >= len(rows):
         raise PathError(
             f"{file}:{head + 1}: announces {count} points, but holds {len(rows) - head - 1}; export the field from "
             f"AgOpenGPS again"
         )
-    first = head + 1
     points = [numbers(rows[index], 3, f"{file}:{index + 1}")[:2] for index in range(first, first + count)]
-    ring = np.array(points)
+    ring = np.array(points).reshape(-1, 2)
     for bad in np.flatnonzero(~np.isfinite(ring).all(axis=1))[:1] + first:
         raise PathError(f"{file}:{bad + 1}: is {rows[bad]!r}; finite coordinates in m are needed")
-    return Boundary(source=file, ring=ring)
+    return ring
