@@ -41,6 +41,8 @@ TWINS = (0.0, 1e-6, -1e-6, 1e-5)
 """m further to the left, where the product's own runs begin. Sensors round, so two runs that begin a nanometre apart
 are millimetres apart after ten seconds, and so are those of one text on two processors: the largest error of the
 product itself spans 6 mm over these."""
+NOT_INITIALISED, SETTINGS, ACTUATE_UNALIGNED = 65, 66, 67
+"""enum drawbar_actuate_status"""
 SETTLED = 100
 """steps until the vehicle is on the path"""
 MEASUREMENT, COMMAND = SingleLayout(Measurement), SingleLayout(Command)
@@ -121,6 +123,12 @@ class SingleAutopilot:
         MEASUREMENT.pack(self._given, measurement)
         status = self._library.drawbar_step(self._state, self._given, self._taken)
         return status, COMMAND.unpack(self._taken)
+
+    def call(self, name: str, *arguments: object) -> int:
+        return int(getattr(self._library, f"drawbar_{name}")(*arguments))
+
+    def call_on_state(self, name: str, *arguments: object) -> int:
+        return self.call(name, self._state, *arguments)
 
     def line(self, points: Floats, limits: tuple[float, ...]) -> tuple[int, int, Floats]:
         """Return what drawbar_line_path returns, what drawbar_set_path then does, and the nodes."""
@@ -212,6 +220,25 @@ def test_far_from_the_origin(library: SingleAutopilot, build: Callable[..., Simu
 def test_a_path_too_far_from_the_origin_is_refused(library: SingleAutopilot, build: Callable[..., Simulation]) -> None:
     path = build("articulated").path
     assert library.begin(replace(path, nodes=path.nodes + np.array([0.0, 2e4, 0.0, 0.0]))) == Status.PATH
+
+
+def test_what_holds_a_time_stamp_is_aligned_as_a_double_the_rest_as_floats(
+    library: SingleAutopilot, build: Callable[..., Simulation]
+) -> None:
+    nodes = build("articulated").path.nodes
+    moved, room = np.zeros(nodes.size + 1, np.float32), (ctypes.c_double * 600)()
+    moved[1:] = nodes.ravel()
+    path = ctypes.c_void_p(moved.ctypes.data + 4)
+    odd, numbers = ctypes.c_void_p(ctypes.addressof(room) + 4), (ctypes.c_double * 400)()
+    library.call_on_state("init")
+    assert library.call_on_state("set_path", path, len(nodes)) == Status.OK
+    assert [library.call_on_state(f"get_{name}", odd) for name in ("diagnostics", "actuation")] == [Status.OK] * 2
+    assert library.call("actuate_init", numbers, odd) == SETTINGS
+    assert library.call("actuate", numbers, numbers, odd) == NOT_INITIALISED
+    assert library.call_on_state("step", odd, numbers) == Status.UNALIGNED
+    assert library.call_on_state("step", numbers, odd) == Status.UNALIGNED
+    assert library.call_on_state("get_estimate", odd) == Status.UNALIGNED
+    assert library.call("actuate", numbers, odd, room) == ACTUATE_UNALIGNED
 
 
 @pytest.mark.parametrize("away", [0.0, FAR])

@@ -17,15 +17,17 @@
 #define INITIALISED 0x64726177u            /* "draw" */
 #endif
 
-struct placed_state {
-    char before;
-    struct drawbar_state state;
-};
+/* How a structure of the interface is aligned: in single precision those with a time stamp otherwise than the others. */
+#define PLACED(name) struct placed_##name { char before; struct drawbar_##name it; }
+#define ALIGNMENT(name) offsetof(struct placed_##name, it)
 
-struct placed_number {
-    char before;
-    double number;
-};
+PLACED(state);
+PLACED(path_node);
+PLACED(measurement);
+PLACED(command);
+PLACED(estimate);
+PLACED(diagnostics);
+PLACED(actuation);
 
 typedef char state_has_room[sizeof(struct autopilot) <= sizeof(struct drawbar_state) ? 1 : -1];
 
@@ -34,19 +36,18 @@ static int is_aligned(const void *pointer, size_t alignment)
     return (uintptr_t)pointer % alignment == 0;
 }
 
-/* What is wrong with pointers: DRAWBAR_OK where a state and numbers can lie there. Some processors cannot even read others. */
-static int placed(const struct drawbar_state *state, const void *given)
+/* What is wrong with pointers: DRAWBAR_OK where a state and what is given can lie there. Some processors cannot even read others. */
+static int placed(const struct drawbar_state *state, const void *given, size_t alignment)
 {
     if (state == NULL || given == NULL)
         return DRAWBAR_NULL;
-    return is_aligned(state, offsetof(struct placed_state, state))
-            && is_aligned(given, offsetof(struct placed_number, number)) ? DRAWBAR_OK : DRAWBAR_UNALIGNED;
+    return is_aligned(state, ALIGNMENT(state)) && is_aligned(given, alignment) ? DRAWBAR_OK : DRAWBAR_UNALIGNED;
 }
 
 /* What is wrong with a call: DRAWBAR_OK where the state holds an initialised autopilot and what it needs is given. */
-static int usable(const struct drawbar_state *state, const void *given)
+static int usable(const struct drawbar_state *state, const void *given, size_t alignment)
 {
-    const int refused = placed(state, given);
+    const int refused = placed(state, given, alignment);
 
     if (refused)
         return refused;
@@ -75,7 +76,7 @@ static void forget(struct autopilot *a)
 int drawbar_init(struct drawbar_state *state)
 {
     struct autopilot *a = (struct autopilot *)state;
-    const int refused = placed(state, state);
+    const int refused = placed(state, state, ALIGNMENT(state));
 
     if (refused)
         return refused;
@@ -96,7 +97,7 @@ int drawbar_set_path(struct drawbar_state *state, const struct drawbar_path_node
 {
     const struct path path = {nodes, count, NULL};
     struct autopilot *a = (struct autopilot *)state;
-    const int refused = usable(state, nodes);
+    const int refused = usable(state, nodes, ALIGNMENT(path_node));
 
     if (refused)
         return refused;
@@ -112,7 +113,7 @@ int drawbar_set_path(struct drawbar_state *state, const struct drawbar_path_node
 int drawbar_begin_at(struct drawbar_state *state, double arc_length)
 {
     struct autopilot *a = (struct autopilot *)state;
-    const int refused = usable(state, state);
+    const int refused = usable(state, state, ALIGNMENT(state));
 
     if (refused)
         return refused;
@@ -129,7 +130,7 @@ int drawbar_change_path(struct drawbar_state *state, const struct drawbar_path_n
 {
     const struct path path = {nodes, count, NULL};
     struct autopilot *a = (struct autopilot *)state;
-    const int refused = usable(state, nodes);
+    const int refused = usable(state, nodes, ALIGNMENT(path_node));
 
     if (refused)
         return refused;
@@ -151,7 +152,7 @@ int drawbar_change_path(struct drawbar_state *state, const struct drawbar_path_n
 int drawbar_set_offset(struct drawbar_state *state, double offset)
 {
     struct autopilot *a = (struct autopilot *)state;
-    const int refused = usable(state, state);
+    const int refused = usable(state, state, ALIGNMENT(state));
 
     if (refused)
         return refused;
@@ -166,7 +167,7 @@ int drawbar_set_offset(struct drawbar_state *state, double offset)
 int drawbar_set_speed(struct drawbar_state *state, double speed)
 {
     struct autopilot *a = (struct autopilot *)state;
-    const int refused = usable(state, state);
+    const int refused = usable(state, state, ALIGNMENT(state));
 
     if (refused)
         return refused;
@@ -179,7 +180,7 @@ int drawbar_set_speed(struct drawbar_state *state, double speed)
 int drawbar_set_engaged(struct drawbar_state *state, int32_t engaged)
 {
     struct autopilot *a = (struct autopilot *)state;
-    const int refused = usable(state, state);
+    const int refused = usable(state, state, ALIGNMENT(state));
 
     if (refused)
         return refused;
@@ -192,9 +193,10 @@ static int feedback_phase(struct drawbar_state *state, const struct drawbar_meas
                           struct drawbar_command *command)
 {
     struct autopilot *a = (struct autopilot *)state;
-    const int refused = usable(state, command), unread = placed(state, measurement);
+    const int refused = usable(state, command, ALIGNMENT(command));
+    const int unread = placed(state, measurement, ALIGNMENT(measurement));
 
-    if (command == NULL || !is_aligned(command, offsetof(struct placed_number, number)))
+    if (command == NULL || !is_aligned(command, ALIGNMENT(command)))
         return command == NULL ? DRAWBAR_NULL : DRAWBAR_UNALIGNED;
     if (refused)
         return stand(command, refused);
@@ -215,7 +217,7 @@ static int feedback_phase(struct drawbar_state *state, const struct drawbar_meas
 static int preparation_phase(struct drawbar_state *state)
 {
     struct autopilot *a = (struct autopilot *)state;
-    const int refused = usable(state, state);
+    const int refused = usable(state, state, ALIGNMENT(state));
 
     if (refused)
         return refused;
@@ -250,7 +252,7 @@ int drawbar_step(struct drawbar_state *state, const struct drawbar_measurement *
 
 int drawbar_get_estimate(const struct drawbar_state *state, struct drawbar_estimate *estimate)
 {
-    const int status = usable(state, estimate);
+    const int status = usable(state, estimate, ALIGNMENT(estimate));
 
     if (status == DRAWBAR_OK)
         *estimate = ((const struct autopilot *)state)->made.estimate;
@@ -259,7 +261,7 @@ int drawbar_get_estimate(const struct drawbar_state *state, struct drawbar_estim
 
 int drawbar_get_diagnostics(const struct drawbar_state *state, struct drawbar_diagnostics *diagnostics)
 {
-    const int status = usable(state, diagnostics);
+    const int status = usable(state, diagnostics, ALIGNMENT(diagnostics));
 
     if (status == DRAWBAR_OK)
         *diagnostics = ((const struct autopilot *)state)->diagnostics;
@@ -268,7 +270,7 @@ int drawbar_get_diagnostics(const struct drawbar_state *state, struct drawbar_di
 
 int drawbar_get_actuation(const struct drawbar_state *state, struct drawbar_actuation *actuation)
 {
-    const int status = usable(state, actuation);
+    const int status = usable(state, actuation, ALIGNMENT(actuation));
 
     if (status == DRAWBAR_OK)
         *actuation = ((const struct autopilot *)state)->known;

@@ -52,6 +52,11 @@ struct placed_low_level {
     struct low_level low;
 };
 
+struct placed_input {                      /* with its time stamp, which is a double in single precision, too */
+    char before;
+    struct drawbar_actuate_input input;
+};
+
 struct placed_setting {
     char before;
     double number;
@@ -68,6 +73,11 @@ static int misplaced(const void *pointer, size_t alignment)
 static int misplaced_state(const struct drawbar_actuate_state *state)
 {
     return misplaced(state, offsetof(struct placed_low_level, low));
+}
+
+static int misplaced_input(const struct drawbar_actuate_input *input)
+{
+    return misplaced(input, offsetof(struct placed_input, input));
 }
 
 static int misplaced_numbers(const void *numbers)
@@ -220,7 +230,7 @@ int drawbar_actuate(struct drawbar_actuate_state *state, const struct drawbar_ac
                     struct drawbar_actuate_output *output)
 {
     struct low_level *low = (struct low_level *)state;
-    const int unwritten = misplaced_numbers(output), unread = misplaced_numbers(input), refused = misplaced_state(state);
+    const int unwritten = misplaced_numbers(output), unread = misplaced_input(input), refused = misplaced_state(state);
     int worst = DRAWBAR_ACTUATE_FINE;
 
     if (unwritten)
