@@ -58,6 +58,8 @@ def test_an_absurd_value_is_missing(driver, name, wrong):
     driver.step()
     status, command = driver.step(**{name: wrong})
     assert told_by(driver).missing == 1
+    driver.step(time=math.nan)  # of which nothing is looked at
+    assert told_by(driver).missing == 0
     assert np.isfinite(command).all()
     expected = {
         "lateral_error": "OFF_COURSE",  # of a position that nobody knows

@@ -259,7 +259,7 @@ static int feed_back(struct autopilot *a, const struct drawbar_measurement *meas
     struct drawbar_diagnostics *d = &a->diagnostics;
     struct drawbar_measurement admitted;
 
-    d->flags = 0;
+    d->flags = d->missing = 0;
     a->path.offset = &a->offset;           /* set anew, as the caller may have moved the state */
     a->reached = WITH_NOTHING;
     if (a->ended)
