@@ -22,8 +22,9 @@
  *                               drawbar_set_path
  *     from DRAWBAR_NULL on      the call was wrong: nothing was computed, and the command stops the vehicle
  *
- * Where estimator or controllers have no solution, or samples come late, the vehicle continues along its last plan, slower
- * after half a second (DRAWBAR_SLOWED), and stops after three seconds at the latest (DRAWBAR_UNSOLVED, DRAWBAR_OVERDUE).
+ * Where estimator or controllers have no solution, or samples come late, the vehicle continues along its last plan for as long
+ * as that reaches (controller.horizon times sample_time), three seconds at most; after a sixth of this it is slower
+ * (DRAWBAR_SLOWED), then it stops (DRAWBAR_UNSOLVED, DRAWBAR_OVERDUE).
  * Where calls come, by their time stamps, at another rate than DRAWBAR_SAMPLE_TIME, it is stopped (DRAWBAR_RATE).
  */
 #ifndef DRAWBAR_H
