@@ -26,6 +26,7 @@ def replay(
     difference is told. Exit code 1: a number differs although no setting was changed.
     """
     from drawbar.recording.drive_records import is_drive
+    from drawbar.report.tables import counted
 
     if is_drive(log):
         from drawbar.extras import require_extra
@@ -37,12 +38,11 @@ def replay(
     else:
         from drawbar.recompute import replay as recompute
         from drawbar.recording.log import read_log
-        from drawbar.report.tables import counted
 
         recomputed = recompute(read_log(log), changes or [])
     if not recomputed.records:
         raise DrawbarError(f"{log}: holds no step to recompute; give the log of a run that was longer")
-    console.print(f"{log}: {counted(len(recomputed.records), 'step')} recomputed")
+    console.print(f"{log}: {counted(len(recomputed.records), 'step')} recomputed", soft_wrap=True)
     if recomputed.cut:
         console.print(f"what follows cannot be recomputed: {recomputed.cut}", style="bold yellow", soft_wrap=True)
     if not recomputed.differences:

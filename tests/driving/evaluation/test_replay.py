@@ -2,7 +2,9 @@
 
 import pytest
 from recorded_rehearsal import recorded_rehearsal
+from typer.testing import CliRunner
 
+from drawbar.cli.main import app
 from drawbar.config import load_configuration
 from drawbar.driving.evaluation.replay import replay_drive
 from drawbar.driving.stand_in.demonstration import with_stand_ins
@@ -59,6 +61,16 @@ def test_a_drive_whose_last_seconds_were_computed_again_replays_bit_for_bit(tmp_
     again = replay_drive(tmp_path / "log.mcap")
     assert len(again.records) > 80
     assert again.differences == ()
+
+
+def test_the_command_tells_of_a_drive_how_many_steps_it_recomputed(tmp_path):
+    drive(tmp_path / "log.mcap")
+    told = CliRunner().invoke(app, ["replay", str(tmp_path)])
+    assert told.exit_code == 0, told.exception
+    assert "steps recomputed\nevery number is the recorded one, bit for bit" in told.stdout
+    other = CliRunner().invoke(app, ["replay", str(tmp_path), "--set", "devices.tractor_receiver.latency=0.05"])
+    assert other.exit_code == 0, other.exception
+    assert "first difference: step " in other.stdout
 
 
 def test_a_log_that_is_cut_off_replays_up_to_there(tmp_path):
