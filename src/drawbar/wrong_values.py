@@ -16,6 +16,7 @@ _REASONS = {
     "string_pattern_mismatch": "must be one character long or more, without slashes and control characters",
 }
 """where pydantic's own words would be those of a programmer"""
+_NO_TOML = "{reason}, and this is none in TOML: close its brackets, put texts in quotes, write decimal points"
 
 
 def explained(error: ValidationError, data: dict[str, Any], origin: str, *, root: str = "configuration") -> str:
@@ -45,10 +46,17 @@ def _line(problem: Any, data: dict[str, Any], root: str) -> str:
         if "expected_tags" in context:  # "external" is what a class of one's own becomes
             context["expected_tags"] = context["expected_tags"].replace("'external'", "MODULE:CLASS of your own")
     reason = _REASONS[kind].format(**context) if kind in _REASONS else message
+    if reason.startswith(("must be a list", "must be a section")) and _looks_like_toml(problem["input"]):
+        reason = _NO_TOML.format(reason=reason)
     # a whole section is not shown: its message names what is wrong in it
     whole = isinstance(problem["input"], dict) and kind in (*_REASONS, "value_error")
     given = "" if whole else f" = {reprlib.repr(problem['input'])}"
     return f"  {key or root}{given}: {reason.removesuffix('.')}."
+
+
+def _looks_like_toml(given: Any) -> bool:
+    """Whether a text was meant to be a list or a table, as of --set."""
+    return isinstance(given, str) and given.lstrip().startswith(("[", "{"))
 
 
 def _key(problem: Any, data: Any) -> str:

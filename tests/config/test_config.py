@@ -110,6 +110,9 @@ WRONG_VALUES = {
     "machine.low_level.dead_time=5.01": ("machine.low_level.dead_time = 5.01", "less than or equal to 5"),
     "tuning.seeds=1001": ("tuning.seeds = 1001", "less than or equal to 1000"),
     "controller.tractor.steering_rate=1e4": ("controller.tractor.steering_rate = 10000", "lower the weight"),
+    "machine.events=gps_loss": ("machine.events = 'gps_loss': must be a list.",),
+    "machine.events=[{kind=gps_loss, start=25.0}]": ("must be a list, and this is none in TOML", "texts in quotes"),
+    "vehicle.masts={tractor={up=2,5}}": ("must be a section with keys, and this is none in TOML", "decimal points"),
 }
 
 
