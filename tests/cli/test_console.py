@@ -82,6 +82,13 @@ def test_a_port_that_is_taken_is_reported_before_anything_starts(taken, tmp_path
     assert not (tmp_path / "run").exists()
 
 
+def test_options_of_the_pages_are_refused_where_none_are_served(tmp_path):
+    given = ["--port", "0", "--name", "tractor.lan", "--key", "key.pem"]
+    result = CliRunner().invoke(app, ["drive", "--out", str(tmp_path / "run"), "--shadow", *given, "--seconds", "0.1"])
+    assert "no pages are served; add it, or leave out --port, --name, --key" in str(result.exception)
+    assert not (tmp_path / "run").exists()
+
+
 def test_a_user_that_cannot_be_is_refused_before_a_password_is_asked_for(tmp_path):
     result = CliRunner().invoke(app, ["console-user", str(tmp_path / "users"), "a b"], input="0123456789\n0123456789\n")
     assert "user name 'a b'" in str(result.exception)

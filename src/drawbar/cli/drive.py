@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drawbar.cli.drive_choices import chosen_track, configured, demand_real_time, demand_what_is_remembered, tell_room
+from drawbar.cli.drive_choices import (
+    chosen_track,
+    configured,
+    demand_no_pages,
+    demand_real_time,
+    demand_what_is_remembered,
+    tell_room,
+)
 from drawbar.cli.options import ConfigurationName, Pace, changing, compiling, console, line_changes, written
 from drawbar.cli.pages import Pages, address, free_port, takes_pages
 from drawbar.cli.report import show_and_write
@@ -86,6 +93,8 @@ def drive(
     from drawbar.extras import require_extra
 
     options = _console_options(pages, out, pace) if with_console else None
+    if not with_console:
+        demand_no_pages(pages)
     require_extra("drawbar drive", "machine")
     if remember:
         demand_what_is_remembered(configuration, changes or [], shadow=shadow)

@@ -1,15 +1,26 @@
 """Drive choices: what `drawbar drive` is to drive, by its options; what cannot be is refused before anything starts."""
 
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drawbar.cli.options import console
 
 if TYPE_CHECKING:
+    from drawbar.cli.pages import Pages
     from drawbar.config import Configuration
 
 _NEAREST = "nearest"
 """--track: the line at which the vehicle stands"""
+
+
+def demand_no_pages(pages: "Pages") -> None:
+    """Raise ConfigurationError where options of the console are given although it is not to be served."""
+    from drawbar.errors import ConfigurationError
+
+    given = [f"--{each.name}" for each in fields(pages) if (getattr(pages, each.name) or None) != each.default]
+    if given:
+        raise ConfigurationError(f"without --console no pages are served; add it, or leave out {', '.join(given)}")
 
 
 def demand_real_time(pace: int) -> None:
