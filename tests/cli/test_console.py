@@ -73,12 +73,14 @@ def test_a_console_takes_the_place_of_one_that_was_killed(stale, monkeypatch):
     assert begun == [False]
 
 
-@pytest.mark.parametrize("option", [["--console", "--port"], ["--live", "--live-port"]])
-def test_a_port_that_is_taken_is_reported_before_anything_starts(taken, tmp_path, option):
+@pytest.mark.parametrize(
+    ("option", "who"), [(["--console", "--port"], "the console"), (["--live", "--live-port"], "the live log")]
+)
+def test_a_port_that_is_taken_is_reported_before_anything_starts(taken, tmp_path, option, who):
     if "--console" in option:
         pytest.importorskip("nicegui", reason="the extra `console` is not installed")
     said = refusal("drive", "--out", tmp_path / "run", *option, taken)
-    assert f"the console cannot listen at 127.0.0.1:{taken}" in said
+    assert f"{who} cannot listen at 127.0.0.1:{taken}" in said
     assert not (tmp_path / "run").exists()
 
 

@@ -188,7 +188,7 @@ def _tell_said(lines: list[str]) -> None:
 
 def _shown_at(port: int) -> int:
     """Return the port on which Foxglove finds the drive, and print its address."""
-    chosen = free_port(LOCAL, port)
+    chosen = free_port(LOCAL, port, of="the live log")
     console.print(f"live: open ws://{LOCAL}:{chosen} in Foxglove", soft_wrap=True)
     return chosen
 

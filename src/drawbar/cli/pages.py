@@ -72,8 +72,13 @@ def address(options: "ConsoleOptions") -> str:
     return f"http{'s' if options.certificate else ''}://{host}:{options.port}/"
 
 
-def free_port(host: str, port: int = 0) -> int:
+def free_port(host: str, port: int = 0, *, of: str = "the console") -> int:
     """Return a port that nobody uses now; 0: any.
+
+    Args:
+        host: address that is listened at.
+        port: that is wanted.
+        of: who is to listen, for the message.
 
     Raises:
         HardwareError: the address is not one of this computer, or the port is taken.
@@ -88,6 +93,5 @@ def free_port(host: str, port: int = 0) -> int:
             return int(each.getsockname()[1])
     except OSError as error:
         raise HardwareError(
-            f"the console cannot listen at {host}:{port} ({error.strerror}); "
-            f"give an address of this computer and a free port"
+            f"{of} cannot listen at {host}:{port} ({error.strerror}); give an address of this computer and a free port"
         ) from None
