@@ -25,10 +25,10 @@ struct component { struct angle_errors errors; double points[4]; };
 #define COMPONENT_FIELDS FIELD(component, errors.latency, 0, 1, 0, 0) FIELD(component, points, 0, 4, 0, 0) \\
     FIELD(component, errors.scales, 0, ANGLES, 0, 0) FIELD(component, errors.state, 0, ANGLE_STATES, 0, 0) \\
     FIELD(component, errors.covariance, 0, ANGLE_STATES, ANGLE_STATES, 0)
-int UNIT(taken)(struct component *component, double yaw, double hitch, double joint, double bent, double creep,
-                double ahead, double elapsed)
+int UNIT(taken)(struct component *component, double yaw, double hitch, double joint, double bent, double swung,
+                double creep, double ahead, double elapsed)
 {
-    struct angle_sample sample = {.yaw = yaw, .angles = {hitch, joint}, .bent = bent, .creep = creep};
+    struct angle_sample sample = {.yaw = yaw, .angles = {hitch, joint}, .bent = bent, .swung = swung, .creep = creep};
 
     memcpy(sample.points, component->points, sizeof sample.points);
     angle_errors_take(&component->errors, &sample, ahead, elapsed);
@@ -47,10 +47,19 @@ class Angles(Alone):
     def __init__(self) -> None:
         super().__init__(Unit(name="angle_errors", source=UNIT, configure=lambda workspace: None))
 
-    def take(self, points: Floats, yaw: float, angles: tuple[float, float], bent: float, *, creep: float = 0.0) -> None:
-        """Take in positions (4,) of both bodies, m, yaw, angles and the expected change of the hitch angle, rad."""
+    def take(
+        self,
+        points: Floats,
+        yaw: float,
+        angles: tuple[float, float],
+        bent: float,
+        *,
+        swung: float = 0.0,
+        creep: float = 0.0,
+    ) -> None:
+        """Take in positions (4,) of both bodies, m, yaw, angles, and the expected changes of hitch and joint, rad."""
         self.live.array("points")[:] = points
-        self.call("taken", *map(Real, (yaw, *angles, bent, creep, VEHICLE.trailer_antenna, SAMPLE)))
+        self.call("taken", *map(Real, (yaw, *angles, bent, swung, creep, VEHICLE.trailer_antenna, SAMPLE)))
 
     @property
     def found(self) -> Floats:
@@ -309,12 +318,14 @@ def test_what_is_found_is_that_of_a_kalman_filter_in_textbook_form(eight: Drive)
     rng, tried, ahead = np.random.default_rng(1), Angles(), VEHICLE.trailer_antenna
     state, covariance = np.zeros(5), np.diag([0.05, 0.035, 0.1, 0.1, 0.1]) ** 2
     last: tuple[Floats, float, Floats] | None = None
+    steady = 0
     for k in range(2, 300):
         points = eight.points[k * PARTS] + rng.normal(0.0, 0.02, 4)
         yaw, bent = float(eight.yaw[k * PARTS]), eight.hitch_at(k, 0.0) - eight.hitch_at(k, SAMPLE)
+        swung = float(eight.joint[k * PARTS] - eight.joint[(k - 1) * PARTS])
         reckoned = np.array([0.0, 0.0, *tried.scales, tried.latency])
         angles = np.array([0.8 * eight.hitch_at(k, 0.15), 1.1 * float(eight.joint[k * PARTS])])
-        tried.take(points, yaw, (float(angles[0]), float(angles[1])), bent, creep=0.1)
+        tried.take(points, yaw, (float(angles[0]), float(angles[1])), bent, swung=swung, creep=0.1)
         if last is not None:
             moved, turned, closed = points - last[0], yaw - last[1], float(np.sum(angles - last[2]))
             middle, between = 0.5 * (yaw + last[1]), 0.5 * (angles + last[2])
@@ -328,6 +339,12 @@ def test_what_is_found_is_that_of_a_kalman_filter_in_textbook_form(eight: Drive)
             state[0] -= F[0] @ reckoned + 0.1 * (way / SAMPLE) ** 2 / 9.81 * closed + across
             covariance = F @ covariance @ F.T
             covariance += np.diag([(0.02 * way) ** 2, *(SAMPLE * np.square([0.005, 0.001, 0.001, 0.002]))])
+            if abs(bent + swung) < 0.03 * SAMPLE:  # both scales are measured as zero, one after the other
+                for i in (2, 3):
+                    gain = covariance[i] / (covariance[i, i] + SAMPLE / way**2)
+                    state = state - gain * state[i]
+                    covariance = covariance - np.outer(gain, covariance[i])
+                    steady += 1
             gain = covariance[0] / (covariance[0, 0] + 0.05**2)
             state = state - gain * state[0]
             covariance = covariance - np.outer(gain, covariance[0])
@@ -335,6 +352,7 @@ def test_what_is_found_is_that_of_a_kalman_filter_in_textbook_form(eight: Drive)
         np.testing.assert_allclose(tried.found, state, rtol=0.0, atol=1e-10)
     np.testing.assert_allclose(tried.deviations, np.sqrt(np.diag(covariance)), rtol=1e-9)
     assert tried.scales.any()  # corrections were part of it
+    assert 20 < steady < 2 * 250  # and so were steady angles, and those that change
 
 
 def test_the_creep_that_is_estimated_counts() -> None:

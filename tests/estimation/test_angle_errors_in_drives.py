@@ -1,5 +1,7 @@
 """Latency and scale errors of hitch and joint in whole runs: the line is kept, and what is found is told."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from scaled_sensors import simulation
@@ -40,7 +42,7 @@ def test_fixes_that_are_coarse_show_nothing() -> None:
 @pytest.mark.parametrize("speed", [1.0, 2.0])
 @pytest.mark.parametrize(("hitch", "joint"), [(0.8, 1.0), (1.2, 1.0), (1.0, 0.8), (1.0, 1.25)])
 def test_a_drive_keeps_its_line_with_wrong_scales_and_tells_them(hitch: float, joint: float, speed: float) -> None:
-    run = simulation(["path.radii=[8.0]", f"speed={speed}"], 1, hitch=hitch, joint=joint)
+    run = simulation(["path.radii=[8.0, 8.0]", f"speed={speed}"], 1, hitch=hitch, joint=joint)
     log = run.log()
     assert log.outcome is not None
     assert log.outcome.finished
@@ -50,3 +52,23 @@ def test_a_drive_keeps_its_line_with_wrong_scales_and_tells_them(hitch: float, j
     assert max(known.hitch_scale, known.joint_scale, key=abs) == (
         known.joint_scale if hitch == 1.0 else known.hitch_scale
     )
+
+
+YAW_RATE = "machine.attitude={tractor={present=true},trailer={present=true}}"
+
+
+@pytest.mark.parametrize("attitude", ["", YAW_RATE], ids=["wheels", "yaw rate"])
+@pytest.mark.parametrize("line", ["straight", "spiral"])
+def test_where_the_angles_hardly_change_their_noise_is_no_scale(line: str, attitude: str, tmp_path: Path) -> None:
+    """Errors in variables: without what draws the scales to zero these were -0.1 to -0.2 after 1 to 2 km."""
+    turned = np.arange(0.0, 2.0 * np.pi * 8.0, 0.02)
+    radius = 20.0 + 2.0 * turned / (2.0 * np.pi)
+    spiral = np.column_stack([radius * np.cos(turned), radius * np.sin(turned)])
+    points = spiral if line == "spiral" else np.column_stack([np.arange(0.0, 1801.0, 2.0), np.zeros(901)])
+    np.savetxt(tmp_path / "line.csv", points, delimiter=",")
+    changes = [f"path.file={tmp_path / 'line.csv'}", "speed=3.0", *([attitude] if attitude else [])]
+    log = simulate(load_configuration("articulated", changes), seed=1)
+    assert log.outcome is not None
+    assert log.outcome.finished
+    found = [(each.actuation.hitch_scale, each.actuation.joint_scale) for each in log.records]
+    assert np.abs(found).max() < 0.02

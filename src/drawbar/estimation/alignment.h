@@ -83,6 +83,7 @@ static inline void learn_angle_errors(struct component *alignment, const struct 
         .yaw = now->tractor.yaw,
         .angles = {m->hitch_angle + false_angle, m->trailer_steering},
         .bent = now->hitch_angle - last->hitch_angle,
+        .swung = now->trailer_steering - last->trailer_steering,
         .creep = now->creep,
     };
 

@@ -23,6 +23,8 @@
 #define ANGLE_OFFSET_WALK 0.005            /* its random walk, as on slopes, rad per square root of a second */
 #define ANGLE_SCALE_PRIOR 0.1              /* prior standard deviation of each scale error */
 #define ANGLE_SCALE_WALK 0.001             /* its random walk, per square root of a second */
+#define ANGLE_SCALE_DRAWN 1.0              /* information by which it is drawn to zero, per second and squared speed, s/m^2 */
+#define STEADY_ANGLES 0.03                 /* largest expected change of the angle between both bodies that counts as none, rad/s */
 #define LEAST_ANGLE_SCALE 0.04             /* by which it is beyond two standard deviations where it is corrected */
 #define MOST_ANGLE_SCALE 0.4               /* limit of its correction */
 #define ANGLE_SCALE_RATE 0.05              /* rate of its correction, 1/s */
@@ -40,6 +42,7 @@ struct angle_sample {
     double yaw;                            /* of the tractor, as expected, rad */
     double angles[ANGLES];                 /* whose sum is the tractor's yaw minus the trailer's, rad; NaN: unknown */
     double bent;                           /* expected change of the hitch angle since the last sample, rad */
+    double swung;                          /* expected change of the joint since the last sample, rad */
     double creep;                          /* side-slip of axles per lateral acceleration, rad/g */
 };
 
@@ -47,7 +50,7 @@ struct angle_sample {
 struct angle_motion {
     double lasted;                         /* s */
     double yaw, angles[ANGLES];            /* integrals, rad s */
-    double turned, closed, bent;           /* changes of yaw, sum of both angles, and expected hitch angle, rad */
+    double turned, closed, bent, swung;    /* changes of yaw, sum of both angles, and expected hitch and joint, rad */
 };
 
 struct angle_errors {
@@ -113,6 +116,23 @@ static COLD void angle_errors_propagate(struct angle_errors *errors, double way,
     errors->covariance[HITCH_LATENCY][HITCH_LATENCY] += walk * HITCH_LATENCY_WALK * HITCH_LATENCY_WALK;
 }
 
+/* Draw the scale errors to zero, as measurements of zero would.
+ *
+ * Where the true angles hardly change, what changes in the measured ones is noise, which looks like angles that are less than
+ * measured: on straights and circles this outweighs it, in curves it is outweighed. */
+static COLD void angle_errors_draw_to_zero(struct angle_errors *errors, double way)
+{
+    const struct angle_motion *motion = &errors->motion;
+    const double information = ANGLE_SCALE_DRAWN * way * way / motion->lasted;
+    const int steady = fabs(motion->bent + motion->swung) < STEADY_ANGLES * motion->lasted;
+
+    for (int i = ANGLE_SCALE; steady && i < HITCH_LATENCY && information > 0.0; ++i) {
+        double cross[ANGLE_STATES];
+        memcpy(cross, errors->covariance[i], sizeof cross);
+        kalman_update(ANGLE_STATES, errors->state, *errors->covariance, cross, cross[i] + 1.0 / information, -errors->state[i]);
+    }
+}
+
 /* Update with what is left of the distance; one beyond the gate is not used. */
 static COLD void angle_errors_update(struct angle_errors *errors)
 {
@@ -141,6 +161,7 @@ static COLD void angle_errors_compare(struct angle_errors *errors, const struct 
     const double trailer = moved[3] * cos(psi) - moved[2] * sin(psi) - ahead * (motion->turned - motion->closed);
     angle_errors_propagate(errors, way, sample->creep);
     errors->state[ACROSS] -= tractor - trailer;
+    angle_errors_draw_to_zero(errors, way);
     angle_errors_update(errors);
     if (errors->outside > 1)
         angle_errors_begin(errors);
@@ -160,6 +181,7 @@ static COLD void angle_errors_move(struct angle_errors *errors, const struct ang
     }
     motion->turned += turned;
     motion->bent += sample->bent;
+    motion->swung += sample->swung;
     errors->yaw += turned;
     memcpy(errors->angles, sample->angles, sizeof errors->angles);
 }
