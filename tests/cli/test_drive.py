@@ -214,7 +214,7 @@ def test_a_run_whose_folder_went_away_is_reported(tmp_path):
     with pytest.raises(
         StorageError, match="not there any more: the folder was moved or removed, or its disk unmounted"
     ):
-        _report(tmp_path)
+        _report(tmp_path, None)
 
 
 def test_a_folder_whose_name_no_process_could_be_told_is_refused(tmp_path, drawbar):
