@@ -119,7 +119,7 @@ static COLD void angle_errors_propagate(struct angle_errors *errors, double way,
 /* Draw the scale errors to zero, as measurements of zero would.
  *
  * Where the true angles hardly change, what changes in the measured ones is noise, which looks like angles that are less than
- * measured: on straights and circles this outweighs it, in curves it is outweighed. */
+ * measured. Zero counts for more than that noise, and for less than what a curve shows. */
 static COLD void angle_errors_draw_to_zero(struct angle_errors *errors, double way)
 {
     const struct angle_motion *motion = &errors->motion;
