@@ -3,8 +3,8 @@
 `python experiments/faults/ordinary.py 6` drives figure-eights in simulation on each ground at each speed with so many
 seeds, and prints the largest share of each detector: mean residuals of hitch and joint (fault_exclusion.py), a reversed
 hitch sensor (reversed_hitch_sensor.py), wheels and joint that lead to another hitch angle (contradicting_angles.py), a
-tractor that turns other than its wheels are measured (turning_error.py), and the difference of both side-slips
-(safety/hitch_watch.h). Nothing is excluded.
+tractor that turns other than its wheels are measured (turning_error.py), all of these together (contradiction.py), and
+the difference of both side-slips (safety/hitch_watch.h). Nothing is excluded.
 """
 
 import argparse
@@ -12,7 +12,8 @@ import itertools
 import math
 
 from drawbar.config import load_configuration
-from drawbar.driving.fault_detection.fault_exclusion import FaultExclusion, Shares
+from drawbar.driving.fault_detection.contradiction import Shares
+from drawbar.driving.fault_detection.fault_exclusion import FaultExclusion
 from drawbar.simulation import RunAborted, Simulation
 
 MASTS = "vehicle.masts={tractor={up=2.5},trailer={up=2.0}}"
@@ -31,7 +32,7 @@ RADII = {0.5: 8.0, 1.0: 8.0, 1.5: 8.0, 2.0: 8.0, 3.0: 12.0}
 """of the figure-eight at each speed, m"""
 SIDE_SLIPS, SETTLED = math.radians(4.5), 10.0
 """difference of both bodies' side-slips that ends a run, rad, once that has gone on for so long, s (hitch_watch.h)"""
-NAMES = (*Shares._fields, "side-slips")
+NAMES = (*Shares._fields, "together", "side-slips")
 
 
 def shares(changes, seed):
@@ -42,7 +43,8 @@ def shares(changes, seed):
         exclusion.update(record, engaged=False)
         apart = abs(record.estimate.tractor_crab - record.estimate.trailer_crab) / SIDE_SLIPS
         settled = record.measurement.time > SETTLED and math.isfinite(apart)
-        yield exclusion.shares._asdict() | {"side-slips": apart if settled else 0.0}
+        together = {"together": exclusion.shares.together}
+        yield exclusion.shares._asdict() | together | {"side-slips": apart if settled else 0.0}
 
 
 def largest(ground, seeds):

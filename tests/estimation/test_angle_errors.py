@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from ordinary import believed, measured
 
 from drawbar.codegen import Unit
 from drawbar.geometry import Floats, wrap
-from drawbar.signals import Pose
+from drawbar.signals import FixStatus, Pose
 from drawbar.vehicle.articulated import trailer_antenna, trailer_yaw_rate
 from drawbar.vehicle.lengths import length_values
 from drawbar.vehicle.parameters import VehicleParameters
@@ -355,24 +356,33 @@ def test_what_is_found_is_that_of_a_kalman_filter_in_textbook_form(eight: Drive)
     assert 20 < steady < 2 * 250  # and so were steady angles, and those that change
 
 
+def late_by_alignment(driven: Drive, **values: Any) -> float:
+    """Return the latency that alignment finds of a hitch angle 0.15 s late, s; of estimates with these values."""
+    alignment, last = Alignment(VEHICLE), None
+    for k in range(2, len(driven.yaw) // PARTS):
+        points, yaw, joint = driven.points[k * PARTS], driven.yaw[k * PARTS], driven.joint[k * PARTS]
+        hitch, late = driven.hitch_at(k, 0.0), driven.hitch_at(k, 0.15)
+        tractor = Pose(x=points[0], y=points[1], yaw=yaw)
+        trailer = Pose(x=points[2], y=points[3], yaw=yaw - hitch - joint)
+        now = replace(believed(tractor, trailer, time=k * SAMPLE, speed=2.0, hitch_angle=hitch), **values)
+        if last is not None:
+            seen = measured(*points, time=now.time, speed=2.0, hitch_angle=late, trailer_steering=joint)
+            alignment.apply(seen, last, now)
+        last = now
+    return alignment.found().hitch_latency
+
+
 def test_the_creep_that_is_estimated_counts() -> None:
-    soft, found = drive(300, creep=0.36), []
-    for creep in (0.0, 0.36):
-        alignment, last = Alignment(VEHICLE), None
-        for k in range(2, 300):
-            points, yaw, joint = soft.points[k * PARTS], soft.yaw[k * PARTS], soft.joint[k * PARTS]
-            hitch, late = soft.hitch_at(k, 0.0), soft.hitch_at(k, 0.15)
-            tractor = Pose(x=points[0], y=points[1], yaw=yaw)
-            trailer = Pose(x=points[2], y=points[3], yaw=yaw - hitch - joint)
-            now = believed(tractor, trailer, time=k * SAMPLE, speed=2.0, hitch_angle=hitch, creep=creep)
-            if last is not None:
-                alignment.apply(
-                    measured(*points, time=now.time, speed=2.0, hitch_angle=late, trailer_steering=joint), last, now
-                )
-            last = now
-        found.append(alignment.found().hitch_latency)
-    assert found[0] < 0.07
-    assert 0.1 < found[1] < 0.16
+    soft = drive(300, creep=0.36)
+    assert late_by_alignment(soft) < 0.07
+    assert 0.1 < late_by_alignment(soft, creep=0.36) < 0.16
+
+
+@pytest.mark.parametrize("antenna", ["tractor_fix", "trailer_fix"])
+def test_while_positions_of_an_antenna_are_rejected_nothing_is_learned(antenna: str) -> None:
+    driven = drive(300)
+    assert late_by_alignment(driven) > 0.1
+    assert late_by_alignment(driven, **{antenna: FixStatus.REJECTED}) == 0.0
 
 
 @pytest.mark.parametrize("age", [math.nan, 0.0, 0.05])

@@ -69,13 +69,15 @@ static inline void align_angles(const struct sample_interval *interval, const st
                                      now->trailer_steering);
 }
 
-/* Learn the errors of hitch and joint, from what is brought up to now; not from coarse fixes, nor from a false angle. */
+/* Learn the errors of hitch and joint, from what is brought up to now; not from coarse fixes, nor while those of an antenna are
+ * rejected, nor from a false angle. */
 static inline void learn_angle_errors(struct component *alignment, const struct sample_interval *interval,
                                       const struct drawbar_measurement *m)
 {
     const struct drawbar_estimate *last = interval->last, *now = interval->expected;
     const int coarse = fixes_are_coarse(m) || alignment->positions.fix_deviation > COARSE_REFERENCE;
-    const double missing = coarse ? (double)NAN : 0.0;
+    const int rejected = last->tractor_fix == DRAWBAR_FIX_REJECTED || last->trailer_fix == DRAWBAR_FIX_REJECTED;
+    const double missing = coarse || rejected ? (double)NAN : 0.0;
     const double beside = fmax(fabs(m->hitch_angle - now->hitch_angle), fabs(m->trailer_steering - now->trailer_steering));
     const double false_angle = beside > FALSE_ANGLE ? (double)NAN : 0.0;
     const struct angle_sample sample = {

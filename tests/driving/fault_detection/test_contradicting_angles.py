@@ -1,4 +1,4 @@
-"""Contradicting angles: a sensor that drifts is seen by what wheels and joint lead to, and the wrong one is named."""
+"""Contradicting angles and turning error: a hitch or joint sensor that drifts is seen, and that of the front wheels."""
 
 import math
 from types import SimpleNamespace
@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from drawbar.config import load_configuration
-from drawbar.driving.fault_detection.contradicting_angles import ContradictingAngles, Contradiction
+from drawbar.driving.fault_detection.contradicting_angles import ContradictingAngles
+from drawbar.driving.fault_detection.running_rms import RunningRms
 from drawbar.driving.fault_detection.turning_error import TurningError
 from drawbar.driving.stand_in.rehearsal import Rehearsal
 from drawbar.machine.stand_in.faults import FAULTS
@@ -20,60 +21,55 @@ USUAL = 30.0
 """time before a fault, s"""
 
 
-def found(difference, *, noise=0.5, turning=0.0, sample_time=0.2, until=20.0, seed=3):
-    """Return after how long a difference is a contradiction, s, and which; infinity: never.
+def contradicts_after(difference, *, noise=0.5, sample_time=0.2, until=20.0, seed=3):
+    """Return after how long a difference is a contradiction, s; infinity: never.
 
     difference(t): of measured and simulated angle a time after the fault, degrees; noise: of it before and after.
     """
     angles, rng = ContradictingAngles(sample_time), np.random.default_rng(seed)
     for k in range(round((USUAL + until) / sample_time)):
         time = k * sample_time - USUAL
-        measured = DEGREE * (rng.normal(0.0, noise) + (difference(time) if time > 0.0 else 0.0))
-        seen = angles.update(measured, 0.0, turning * DEGREE)
-        if seen is not Contradiction.NONE:
+        angles.update(DEGREE * (rng.normal(0.0, noise) + (difference(time) if time > 0.0 else 0.0)), 0.0)
+        if angles.share > 1.0:
             assert time > 0.0
-            return time, seen
-    return math.inf, Contradiction.NONE
+            return time
+    return math.inf
 
 
 @pytest.mark.parametrize("sample_time", [0.05, 0.1, 0.2])
 def test_one_that_drifts_is_seen_once_it_is_several_degrees_away(sample_time):
     for sign in (1.0, -1.0):
-        time, seen = found(lambda t, sign=sign: sign * 2.0 * t, sample_time=sample_time)
+        time = contradicts_after(lambda t, sign=sign: sign * 2.0 * t, sample_time=sample_time)
         assert 2.5 < time < 3.8
-        assert seen is Contradiction.TRAILER
-    assert found(lambda t: 0.3 * t)[0] > 15.0
-    assert found(lambda t: 4.0)[0] == math.inf
+    assert contradicts_after(lambda t: 0.3 * t) > 15.0
+    assert contradicts_after(lambda t: 4.0) == math.inf
+
+
+@pytest.mark.parametrize("sample_time", [0.05, 0.2])
+def test_what_is_usual_is_that_of_two_seconds_ago(sample_time):
+    usual = RunningRms(sample_time, prior=1.0, prior_time=5.0)
+    for count in range(round(2.0 / sample_time)):
+        assert usual.value == 1.0, count
+        usual.add(2.0)
+    assert usual.value > 1.0
 
 
 def test_on_rough_ground_more_is_usual():
-    assert found(lambda t: 8.0)[0] < 2.0
+    assert contradicts_after(lambda t: 8.0) < 2.0
     for seed in range(5):
-        assert found(lambda t: 4.0, noise=5.0, seed=seed)[0] == math.inf
-        assert found(lambda t: 30.0, noise=5.0, seed=seed)[0] < 2.0
-
-
-@pytest.mark.parametrize(
-    ("turning", "seen"),
-    [
-        (3.0, Contradiction.TRAILER),
-        (-3.6, Contradiction.FRONT_WHEELS),
-        (3.6, Contradiction.FRONT_WHEELS),
-        (math.nan, Contradiction.TRAILER),
-    ],
-)
-def test_where_the_tractor_turns_otherwise_its_wheels_are_measured_wrong(turning, seen):
-    assert found(lambda t: 10.0, turning=turning)[1] is seen
+        assert contradicts_after(lambda t: 4.0, noise=5.0, seed=seed) == math.inf
+        assert contradicts_after(lambda t: 30.0, noise=5.0, seed=seed) < 2.0
 
 
 def test_what_is_not_known_contradicts_nothing():
     angles = ContradictingAngles(0.2)
-    for _ in range(20):
-        assert angles.update(1.0, math.nan, 0.0) is Contradiction.NONE
-        assert angles.update(math.nan, 1.0, 0.0) is Contradiction.NONE
-    for _ in range(4):
-        assert angles.update(1.0, 0.0, 0.0) is Contradiction.NONE
-    assert angles.update(1.0, 0.0, 0.0) is Contradiction.TRAILER
+    for known in ((1.0, math.nan), (math.nan, 1.0)):
+        for _ in range(20):
+            angles.update(*known)
+            assert not angles.share
+    for count in range(5):
+        angles.update(1.0, 0.0)
+        assert (angles.share > 1.0) == (count == 4)
 
 
 def turned(steering, *, measured, speed=2.0, sample_time=0.2, slip=1.0, until=6.0):

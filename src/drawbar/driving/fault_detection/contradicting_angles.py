@@ -2,12 +2,10 @@
 
 A sensor that drifts is not seen by its residual: the estimate follows it, with yaws and crab angles that become more
 and more wrong, and both bodies are steered beside the line. A simulation by wheels and joint alone
-(simulated_hitch_angle.py) does not follow it. Where the tractor does not turn as its front wheels are measured either
-(turning_error.py), theirs is the wrong sensor; whether else hitch or joint is, is not observable.
+(simulated_hitch_angle.py) does not follow it.
 """
 
 import math
-from enum import Enum
 from statistics import fmean
 
 from drawbar.driving.fault_detection.recent import Recent
@@ -21,17 +19,6 @@ _FACTOR, _LEAST = 5.5, math.radians(1.0)
 fault it comes to 0.9 of that (experiments/faults/ordinary.py)"""
 _PRIOR, _PRIOR_TIME = math.radians(1.6), 5.0
 """prior root mean square and its weight: rad, s"""
-_TURNING = math.radians(3.3)
-"""turning error beyond which the front wheels' sensor is the wrong one, rad"""
-
-
-class Contradiction(Enum):
-    """Which sensor contradicts."""
-
-    NONE = 0
-    TRAILER = 1
-    """of hitch or joint"""
-    FRONT_WHEELS = 2
 
 
 class ContradictingAngles:
@@ -44,19 +31,16 @@ class ContradictingAngles:
         self.share = 0.0
         """the mean, of what is a contradiction"""
 
-    def update(self, measured: float, simulated: float, turning_error: float) -> Contradiction:
-        """Update with both hitch angles and the turning error, rad, NaN: unknown; return what contradicts."""
+    def update(self, measured: float, simulated: float) -> None:
+        """Update with both hitch angles, rad, NaN: unknown."""
         self.share = 0.0
         if not math.isfinite(simulated):
             self._differences.clear()
-            return Contradiction.NONE
+            return
         if math.isfinite(measured):
             self._differences.append(wrap(measured - simulated))
         if not self._differences.is_full:
-            return Contradiction.NONE
+            return
         mean, rms = abs(fmean(self._differences)), self._rms.value
         self._rms.add_clipped(mean)
         self.share = mean / (_FACTOR * max(rms, _LEAST))
-        if not self.share > 1.0:
-            return Contradiction.NONE
-        return Contradiction.FRONT_WHEELS if abs(turning_error) > _TURNING else Contradiction.TRAILER

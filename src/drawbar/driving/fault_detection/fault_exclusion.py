@@ -7,8 +7,9 @@ The estimate first absorbs most of a wrong angle of hitch or joint in yaws and c
 beside the line. A residual of a few degrees remains in both angles, and a smaller one counts where an antenna is
 contradicted as well; a hitch sensor that is reversed (reversed_hitch_sensor.py) or repeats one angle while the estimate
 turns (stuck_hitch_sensor.py) is detected earlier, and one that drifts by what wheels and joint lead to
-(contradicting_angles.py). The control step tests the same residuals (safety/hitch_watch.h),
-but waits longer: it can only end the run. The numbers of both are held together by tests/test_shared_numbers.py.
+(contradicting_angles.py) and by what all see together (contradiction.py). The control step tests the same residuals
+(safety/hitch_watch.h), but waits longer: it can only end the run. The numbers of both are held together by
+tests/test_shared_numbers.py.
 The corrupted samples are computed again without the sensor (rollback.py). Which of the two angles is wrong is not
 observable, so all measurements of the trailer are left out: the tractor keeps to the line by its own antenna, and the
 joint is held at its measured angle (driving/loop/controller.py).
@@ -17,10 +18,10 @@ joint is held at its measured angle (driving/loop/controller.py).
 import math
 from dataclasses import replace
 from statistics import fmean
-from typing import NamedTuple
 
 from drawbar.driving.fault_detection.confirmation import CONFIRMED
-from drawbar.driving.fault_detection.contradicting_angles import ContradictingAngles, Contradiction
+from drawbar.driving.fault_detection.contradicting_angles import ContradictingAngles
+from drawbar.driving.fault_detection.contradiction import Contradiction, Shares, contradiction
 from drawbar.driving.fault_detection.recent import Recent
 from drawbar.driving.fault_detection.reversed_hitch_sensor import ReversedHitchSensor
 from drawbar.driving.fault_detection.running_rms import MOVES, RunningRms
@@ -45,19 +46,6 @@ _ASIDE, _LEAST = 3.0, 0.04
 """root mean squares of it, and m at least, beyond which the antenna is contradicted"""
 _SHARE = 0.65
 """of the limit above, where an antenna is contradicted as well"""
-
-
-class Shares(NamedTuple):
-    """What each detector of wrong angles sees, as a share of what is a contradiction."""
-
-    residuals: float = 0.0
-    """of hitch and joint"""
-    reversed: float = 0.0
-    """of a hitch sensor that is"""
-    angles: float = 0.0
-    """to which wheels and joint lead"""
-    turning: float = 0.0
-    """of the tractor, beside its front wheels"""
 
 
 class _AntennaResidual:
@@ -130,21 +118,23 @@ class FaultExclusion:
         self._residuals.append((hitch, joint))
         moves = abs(record.measurement.speed) >= MOVES
         limit = _SHARE if self._antenna_contradicts(record, moves=moves) else 1.0
-        share = self._angles_share(moves=moves)
-        contradicted = share > limit
+        share = self._angles_share(moves=moves) / limit
         simulated = self._simulated.update(measured, record.estimate)
+        contradicted = share > 1.0
         contradicted |= self._reversed.update(measured.hitch_angle, simulated)
-        contradiction = self._angles.update(measured.hitch_angle, simulated, self._turning.update(record))
-        wrong_wheels = contradiction is Contradiction.FRONT_WHEELS or self._turning.is_large
-        # once the trailer is excluded the estimated yaw changes; if it goes astray again, the front wheels lead it
-        self.steering_contradicts = astray if self.excludes_trailer else wrong_wheels
-        contradicted |= contradiction is Contradiction.TRAILER or astray
         contradicted |= self._stuck.update(
             record.measurement.hitch_angle, record.estimate.hitch_angle, simulated, moves=moves
         )
+        self._angles.update(measured.hitch_angle, simulated)
+        turning = self._turning.update(record)
+        self.shares = Shares(share, self._reversed.share, self._angles.share, self._turning.share)
+        contradicts = contradiction(self.shares, turning, astray=astray)
+        wrong_wheels = self._turning.is_large or contradicts is Contradiction.FRONT_WHEELS
+        # once the trailer is excluded the estimated yaw changes; if it goes astray again, the front wheels lead it
+        self.steering_contradicts = astray if self.excludes_trailer else wrong_wheels
+        contradicted |= contradicts is Contradiction.TRAILER
         if not (engaged and self.excludes_trailer):
             self._trailer = CONFIRMED if contradicted else self._trailer + 1 if abs(hitch) > self._hitch_limit else 0
-        self.shares = Shares(share / limit, self._reversed.share, self._angles.share, self._turning.share)
         self._moved = moved or (engaged and self._moved)
         if self._moved:
             self._positions = CONFIRMED

@@ -1,4 +1,4 @@
-"""Running RMS of a residual, delayed by a second: a fault that is detected within that time does not raise it."""
+"""Running RMS of a residual, delayed by two seconds: a fault that is detected within that time does not raise it."""
 
 import math
 
@@ -8,7 +8,7 @@ MOVES = 0.1
 """speed from which on residuals represent the ground, m/s"""
 TIME_CONSTANT = 30.0
 """s"""
-_DELAY = 1.0
+_DELAY = 2.0
 """s"""
 _CLIP = 2.0
 """times the value so far, at which `add_clipped` clips a sample"""
