@@ -27,9 +27,10 @@ struct component { struct angle_errors errors; double points[4]; };
     FIELD(component, errors.scales, 0, ANGLES, 0, 0) FIELD(component, errors.state, 0, ANGLE_STATES, 0, 0) \\
     FIELD(component, errors.covariance, 0, ANGLE_STATES, ANGLE_STATES, 0)
 int UNIT(taken)(struct component *component, double yaw, double hitch, double joint, double bent, double swung,
-                double creep, double ahead, double elapsed)
+                double creep, double sways, double ahead, double elapsed)
 {
-    struct angle_sample sample = {.yaw = yaw, .angles = {hitch, joint}, .bent = bent, .swung = swung, .creep = creep};
+    struct angle_sample sample = {.yaw = yaw, .angles = {hitch, joint}, .bent = bent, .swung = swung, .creep = creep,
+                                  .sways = sways > 0.0};
 
     memcpy(sample.points, component->points, sizeof sample.points);
     angle_errors_take(&component->errors, &sample, ahead, elapsed);
@@ -45,7 +46,9 @@ LENGTHS = length_values(VEHICLE)
 class Angles(Alone):
     """What finds the errors, by itself."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, sways: bool = False) -> None:
+        """sways: the antennas stand on masts whose roll is not measured."""
+        self._sways = float(sways)
         super().__init__(Unit(name="angle_errors", source=UNIT, configure=lambda workspace: None))
 
     def take(
@@ -60,7 +63,7 @@ class Angles(Alone):
     ) -> None:
         """Take in positions (4,) of both bodies, m, yaw, angles, and the expected changes of hitch and joint, rad."""
         self.live.array("points")[:] = points
-        self.call("taken", *map(Real, (yaw, *angles, bent, swung, creep, VEHICLE.trailer_antenna, SAMPLE)))
+        self.call("taken", *map(Real, (yaw, *angles, bent, swung, creep, self._sways, VEHICLE.trailer_antenna, SAMPLE)))
 
     @property
     def found(self) -> Floats:
@@ -313,6 +316,26 @@ def test_where_the_antennas_have_moved_apart_it_begins_anew_and_what_is_correcte
     assert 0.0 <= min(reckoned[300:330]) < 0.1
     assert np.diff(reckoned).min() >= -0.1 * SAMPLE - 1e-12
     assert angles.found[4] == pytest.approx(0.2, abs=0.03)
+
+
+def largest_scale_while_antennas_sway(driven: Drive, seed: int, *, sways: bool) -> float:
+    """Return the largest correction while both go 10 cm (rms) aside, correlated over a second."""
+    rng, aside, angles, largest = np.random.default_rng(seed), np.zeros(2), Angles(sways=sways), [0.0]
+
+    def seen(k: int, points: Floats, angle: float) -> tuple[Floats, float]:
+        largest.append(float(np.abs(angles.scales).max()))
+        aside[:] = 0.8 * aside + 0.6 * rng.normal(0.0, 0.1, 2)
+        across = np.array([-math.sin(driven.yaw[k * PARTS]), math.cos(driven.yaw[k * PARTS])])
+        return points + np.outer(aside, across).ravel(), angle
+
+    follow(angles, driven, 0.0, seen=seen)
+    return max(largest)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_masts_that_sway_look_less_like_a_scale_where_that_is_known(eight: Drive, seed: int) -> None:
+    without, known = (largest_scale_while_antennas_sway(eight, seed, sways=sways) for sways in (False, True))
+    assert known < 0.5 * without
 
 
 def test_what_is_found_is_that_of_a_kalman_filter_in_textbook_form(eight: Drive) -> None:

@@ -75,6 +75,7 @@ static inline void learn_angle_errors(struct component *alignment, const struct 
                                       const struct drawbar_measurement *m)
 {
     const struct drawbar_estimate *last = interval->last, *now = interval->expected;
+    const struct mast *masts = alignment->positions.masts;
     const int coarse = fixes_are_coarse(m) || alignment->positions.fix_deviation > COARSE_REFERENCE;
     const int rejected = last->tractor_fix == DRAWBAR_FIX_REJECTED || last->trailer_fix == DRAWBAR_FIX_REJECTED;
     const double missing = coarse || rejected ? (double)NAN : 0.0;
@@ -87,6 +88,7 @@ static inline void learn_angle_errors(struct component *alignment, const struct 
         .bent = now->hitch_angle - last->hitch_angle,
         .swung = now->trailer_steering - last->trailer_steering,
         .creep = now->creep,
+        .sways = mast_sways(&masts[ALIGNED_TRACTOR], m->tractor_roll) || mast_sways(&masts[ALIGNED_TRAILER], m->trailer_roll),
     };
 
     angle_errors_take(&alignment->angles, &sample, alignment->positions.to_axle, interval->elapsed);

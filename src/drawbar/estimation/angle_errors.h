@@ -18,6 +18,9 @@
 
 #define ACROSS_NOISE 0.05                  /* standard deviation of the distance by one pair of fixes, m */
 #define ACROSS_GATE 0.3                    /* a distance that is not believed; twice in a row the sum begins anew, m */
+#define ACROSS_SETTLING 150                /* number of distances whose mean square shows by how much masts sway */
+#define ACROSS_USUAL 1.5                   /* mean square up to which they do not, in variances of the noise above */
+#define ACROSS_WEIGHT 4.0                  /* variance per mean square beyond that: what sways does so for seconds */
 #define ANGLE_NOISE 0.02                   /* standard deviation of one angle between both bodies, rad */
 #define ANGLE_OFFSET_PRIOR 0.035           /* prior standard deviation of its constant error, rad */
 #define ANGLE_OFFSET_WALK 0.005            /* its random walk, as on slopes, rad per square root of a second */
@@ -44,6 +47,7 @@ struct angle_sample {
     double bent;                           /* expected change of the hitch angle since the last sample, rad */
     double swung;                          /* expected change of the joint since the last sample, rad */
     double creep;                          /* side-slip of axles per lateral acceleration, rad/g */
+    int32_t sways;                         /* an antenna stands on a mast whose roll is not measured */
 };
 
 /* What the bodies have done since the last pair of fixes. */
@@ -58,17 +62,19 @@ struct angle_errors {
                                               true per measured angle, less 1; latency, s */
     double covariance[ANGLE_STATES][ANGLE_STATES];
     double scales[ANGLES], latency;        /* corrected for; s */
+    double spread;                         /* mean square of the distances beyond what is expected of them, m2 */
     double points[4];                      /* of the last pair of fixes, m */
     double yaw, angles[ANGLES];            /* of the last sample, rad */
     struct angle_motion motion;
     int32_t continues;                     /* there is a last pair, and the angles since are known */
     int32_t outside;                       /* number of distances beyond the gate in a row */
+    int32_t spreads;                       /* number of distances in the mean square */
 };
 
 /* Forget everything but the scale errors, which positions that jump do not touch, and the corrected latency, which fades. */
 static COLD void angle_errors_begin(struct angle_errors *errors)
 {
-    struct angle_errors anew = {.latency = errors->latency};
+    struct angle_errors anew = {.latency = errors->latency, .spread = errors->spread, .spreads = errors->spreads};
 
     for (int i = HITCH; i < ANGLES; ++i) {
         const double variance = errors->covariance[ANGLE_SCALE + i][ANGLE_SCALE + i];
@@ -133,18 +139,29 @@ static COLD void angle_errors_draw_to_zero(struct angle_errors *errors, double w
     }
 }
 
-/* Update with what is left of the distance; one beyond the gate is not used. */
-static COLD void angle_errors_update(struct angle_errors *errors)
+/* The variance of the distance by one pair of fixes on masts that sway, m2: where distances are spread more than usual they count
+ * for less. distance: this one, m; expected: its variance without that of this pair, m2. */
+static COLD double angle_errors_sway(struct angle_errors *errors, double distance, double expected)
 {
-    const double innovation = -errors->state[ACROSS];
-    const double variance = errors->covariance[ACROSS][ACROSS] + ACROSS_NOISE * ACROSS_NOISE;
+    const double usual = ACROSS_NOISE * ACROSS_NOISE;
+
+    errors->spreads += errors->spreads < ACROSS_SETTLING;
+    errors->spread += (distance * distance - expected - errors->spread) / errors->spreads;
+    return usual + ACROSS_WEIGHT * fmax(errors->spread - ACROSS_USUAL * usual, 0.0);
+}
+
+/* Update with what is left of the distance; one beyond the gate is not used. */
+static COLD void angle_errors_update(struct angle_errors *errors, int sways)
+{
+    const double innovation = -errors->state[ACROSS], expected = errors->covariance[ACROSS][ACROSS];
     double cross[ANGLE_STATES];
 
     errors->outside = fabs(innovation) > ACROSS_GATE ? errors->outside + 1 : 0;
     if (errors->outside)
         return;
+    const double noise = sways ? angle_errors_sway(errors, innovation, expected) : ACROSS_NOISE * ACROSS_NOISE;
     memcpy(cross, errors->covariance[ACROSS], sizeof cross);
-    kalman_update(ANGLE_STATES, errors->state, *errors->covariance, cross, variance, innovation);
+    kalman_update(ANGLE_STATES, errors->state, *errors->covariance, cross, expected + noise, innovation);
 }
 
 /* Compare the ways of both axles since the last pair of fixes. ahead: of the trailer's point before its axle, m. */
@@ -162,7 +179,7 @@ static COLD void angle_errors_compare(struct angle_errors *errors, const struct 
     angle_errors_propagate(errors, way, sample->creep);
     errors->state[ACROSS] -= tractor - trailer;
     angle_errors_draw_to_zero(errors, way);
-    angle_errors_update(errors);
+    angle_errors_update(errors, sample->sways);
     if (errors->outside > 1)
         angle_errors_begin(errors);
 }

@@ -33,4 +33,10 @@ static inline int mast_is_none(const struct mast *mast)
     return mast->forward == 0.0 && mast->left == 0.0 && mast->up == 0.0;
 }
 
+/* Whether the antenna sways as the ground is uneven, without anything that tells; roll: of the body, rad, NaN: unknown. */
+static inline int mast_sways(const struct mast *mast, double roll)
+{
+    return mast->up > 0.0 && isnan(roll);
+}
+
 #endif
