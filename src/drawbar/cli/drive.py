@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drawbar.cli.drive_choices import (
+    LIVE_PORT,
     chosen_track,
     configured,
+    demand_no_live_port,
     demand_no_pages,
     demand_real_time,
     demand_what_is_remembered,
@@ -77,7 +79,7 @@ def drive(
     shadow: Shadow = False,
     remember: Remember = False,
     live: Live = False,
-    live_port: LivePort = 8765,
+    live_port: LivePort = LIVE_PORT,
     seconds: Seconds = 0.0,
     pace: Pace = 1,
     with_console: WithConsole = False,
@@ -95,6 +97,8 @@ def drive(
     options = _console_options(pages, out, pace) if with_console else None
     if not with_console:
         demand_no_pages(pages)
+    if not live:
+        demand_no_live_port(live_port)
     require_extra("drawbar drive", "machine")
     if remember:
         demand_what_is_remembered(configuration, changes or [], shadow=shadow)
