@@ -171,7 +171,7 @@ def _source_files(
     texts["path.c"] = PATH_UNIT
     texts["step.c"] = '/* The control step. */\n#include "step.h"\n'
     texts["actuate.c"] = '/* The low level: valves, motors, pedal. */\n#include "actuate.h"\n'
-    texts["line.c"] = '/* Recorded lines as paths. */\n#include "line_path.h"\n'
+    texts["line.c"] = '/* Recorded lines as paths. */\n#include "line_path.h"\n#include "line_table.h"\n'
     main = sources.filled("main.c", {})
     every, memory = {**texts, **sources.headers(texts.values())}, Memory.of(components)
     sizes = _sizes(memory, configuration, version, constants)
