@@ -162,9 +162,11 @@ def _run(
     """Start the processes and show the drive; return whether it failed."""
     from drawbar.driving.messaging.process_options import RECORDER
     from drawbar.driving.processes.drive_processes import MESSAGES_NAME
+    from drawbar.driving.processes.process_output import crashes_written
 
     with ExitStack() as started:
         with console.status("starting the processes …"), _removed_unless_done(folder):
+            started.enter_context(crashes_written(folder / MESSAGES_NAME))
             started.enter_context(processes)
         _tell_said(processes.output())
         if options is not None:
