@@ -11,11 +11,15 @@ class Swings:
 
     def __init__(self) -> None:
         self.count = 0
+        self.in_a_row = 0
+        """with the last report and those just before it; a single outlier is one"""
         self._last = self._before = math.nan
 
     def see(self, angle: float) -> None:
         """Take in an angle, rad; NaN: none was measured."""
-        self.count += abs(self._last - angle) > _SWING > 2.0 * abs(self._before - angle)
+        swings = abs(self._last - angle) > _SWING > 2.0 * abs(self._before - angle)
+        self.count += swings
+        self.in_a_row = self.in_a_row + 1 if swings else 0
         self._before, self._last = self._last, angle
 
     def forget(self) -> None:

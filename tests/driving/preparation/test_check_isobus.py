@@ -102,9 +102,9 @@ def test_a_second_valve_where_no_address_is_given_is_reported(monkeypatch):
     valve = yard.settings.tractor_valve.model_copy(update={"address": None})
     yard.settings = yard.settings.model_copy(update={"tractor_valve": valve, "trailer_valve": None})
     found = yard.findings()
-    assert "a second valve reports on this bus: write the address of the one that is meant" in (
-        found["tractor valve"].problems
-    )
+    assert found["tractor valve"].problems == [
+        "a second valve reports on this bus: write the address of the one that is meant"
+    ]
 
 
 @pytest.mark.parametrize("device", ["tractor valve", "trailer valve", "tractor's speed"])

@@ -28,7 +28,7 @@ def test_a_stronger_device_at_the_valves_address_is_no_valve_until_it_has_report
     (_, first), *_ = said = bench.run(0.5, steer=True)  # its machine information comes without a gap
     assert {first, *(what for _, what in said)} == {OFF}
     assert bench.valve.contested
-    assert bench.valve.report(bench.time).readiness is Readiness.SILENT
+    assert bench.valve.report(bench.time).readiness is Readiness.FAULT
     bench.run(0.2)
     assert bench.valve.report(bench.time).readiness is Readiness.TOO_NEW
     bench.run(0.6)
@@ -76,3 +76,17 @@ def test_angles_of_two_valves_at_one_address_swing_and_those_of_one_do_not() -> 
         bench.tell(curvature=0.1 if number % 2 else 0.15)
         bench.run(0.06)
     assert bench.valve.swings.count == 9
+
+
+def test_two_valves_at_one_address_end_steering_and_an_outlier_does_not() -> None:
+    bench = Bench(address=VALVE).engage()
+    bench.tell(curvature=0.15)
+    assert {what for _, what in bench.run(1.0, steer=True)} == {ON}
+    assert bench.valve.swings.count == 1
+    for _ in range(5):
+        bench.tell(curvature=0.15)
+        bench.run(0.1, steer=True)
+    assert bench.valve.report(bench.time).readiness is Readiness.FAULT
+    assert {what for _, what in bench.run(1.0, steer=True)} == {OFF}
+    bench.run(0.4)
+    assert bench.valve.report(bench.time).readiness is Readiness.READY

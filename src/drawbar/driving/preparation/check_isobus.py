@@ -36,23 +36,22 @@ def check_isobus(settings: IsobusSettings, seconds: float, *, drives: bool) -> I
         if report is not None:
             assert isinstance(valve, GuidanceValve)
             angle = [f"angle {math.degrees(report.angle):.1f}°"] if math.isfinite(report.angle) else []
-            finding = _on_the_bus(name, report.readiness, angle)
-            finding.problems += _others(valve)
-            yield finding
+            yield _on_the_bus(name, report.readiness, angle, list(_others(valve)))
     speed = wires.speed(now)
     if speed is not None:
-        yield _on_the_bus("tractor's speed", speed.readiness, [])
+        yield _on_the_bus("tractor's speed", speed.readiness, [], [])
     wires.close()
 
 
-def _on_the_bus(name: str, readiness: Readiness, facts: list[str]) -> Finding:
-    ready = readiness is Readiness.READY
+def _on_the_bus(name: str, readiness: Readiness, facts: list[str], others: list[str]) -> Finding:
+    """Return what a device reports; others: what shows that there is another, which is not the device's own fault."""
+    told = readiness is Readiness.READY or (bool(others) and readiness is Readiness.FAULT)
     received = readiness not in (Readiness.SILENT, Readiness.ADDRESS_LOST)
     return Finding(
         device=name,
         received=received,
         facts=[*facts, readiness.name.lower()] if received else [],
-        problems=[] if ready else [readiness.value],
+        problems=others if told else [readiness.value, *others],
     )
 
 

@@ -35,6 +35,8 @@ _CLEARED = 0.5
 """within which a valve that steers must have cleared an exit reason from before, s"""
 _OTHER_MASTER_HOLD = 1.0
 """for how long another sender of commands is remembered, s"""
+_SWINGS = 3
+"""of the angle, one after the other, that show two valves at one address"""
 _OFF_TIME = 1.0
 """for which "not intended" is sent after steering, also where another sender commands, s"""
 _OPERATOR_EXITS = (ExitReason.OPERATOR_OVERRIDE,)
@@ -149,7 +151,7 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
             if name < self._name:
                 self._info_time = -math.inf
                 if self._phase is _Phase.STEERING:
-                    self._leave(Readiness.SILENT)
+                    self._leave(Readiness.FAULT)
         self._name = name if self._name is None else min(name, self._name)
 
     def _receive_info(self, time: float, message: Message) -> None:
@@ -172,6 +174,8 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
             if self._phase is _Phase.STEERING:
                 self._leave(Readiness.SILENT)
         self.swings.see(self._map.angle(info.curvature))
+        if self.swings.in_a_row >= _SWINGS:
+            self._second_valve_time = time
         self.machine, self._info_time = info, time
         # A state that lasts for one message only is seen here, whatever the gate's rate.
         state = self._state(time, info)
