@@ -91,6 +91,12 @@ def test_options_of_the_pages_are_refused_where_none_are_served(tmp_path):
     assert not (tmp_path / "run").exists()
 
 
+def test_a_port_of_the_live_log_is_refused_where_none_is_served(tmp_path):
+    result = CliRunner().invoke(app, ["drive", "--out", str(tmp_path / "run"), "--live-port", "0", "--seconds", "0.1"])
+    assert "without --live no live log is served; add it, or leave out --live-port" in str(result.exception)
+    assert not (tmp_path / "run").exists()
+
+
 def test_a_user_that_cannot_be_is_refused_before_a_password_is_asked_for(tmp_path):
     result = CliRunner().invoke(app, ["console-user", str(tmp_path / "users"), "a b"], input="0123456789\n0123456789\n")
     assert "user name 'a b'" in str(result.exception)

@@ -76,7 +76,16 @@ def test_a_log_that_is_cut_off_in_its_beginning_says_so(drawbar: Drawbar, run: R
     assert "holds no run.json, which a log begins with; it was cut off in its beginning, or is no log of" in told
 
 
-@pytest.mark.parametrize("command", [("replay",), ("identify",), ("report",), ("log", "export", "--csv=steps.csv")])
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("replay",),
+        ("identify",),
+        ("report",),
+        ("log", "export", "--csv=steps.csv"),
+        ("tube", "articulated", "--from-log"),
+    ],
+)
 def test_a_log_that_is_cut_off_at_its_end_says_so_once(drawbar: Drawbar, run: RunLog, command: tuple[str, ...]) -> None:
     file = Path("run/log.mcap")
     whole = file.read_bytes()

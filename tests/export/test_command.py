@@ -86,6 +86,32 @@ main()
     assert not list((tmp_path / "library").rglob("half.o"))
 
 
+@pytest.mark.skipif(os.name != "posix", reason="has no locks of folders")
+@pytest.mark.parametrize("meanwhile", ["record", "_write"])
+@pytest.mark.parametrize("earlier", [False, True])
+def test_a_second_export_into_one_folder_at_the_same_time_is_refused(
+    drawbar: Drawbar, tmp_path, monkeypatch, meanwhile: str, earlier: bool
+) -> None:
+    if earlier:
+        assert drawbar("articulated", "--out", "library", "--set", "speed=0.9")[0] == 0
+    second, does = [], getattr(export, meanwhile)
+
+    def while_another_begins(*given):
+        monkeypatch.setattr(export, meanwhile, does)
+        command = [sys.executable, "-m", "drawbar", "export", "articulated", "--out", "library"]
+        second.append(subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False))
+        return does(*given)
+
+    monkeypatch.setattr(export, meanwhile, while_another_begins)
+    code, said = drawbar("articulated", "--out", "library", "--set", "speed=0.8")
+    assert code == 0, said
+    (refused,) = second
+    assert refused.returncode == 2
+    assert "library: another export is on there; wait until it has ended" in refused.stderr
+    assert "speed = 0.8" in (tmp_path / "library" / "config.toml").read_text("utf-8")
+    assert (tmp_path / "library" / "manifest.json").is_file()
+
+
 def test_an_export_that_is_told_to_stop_leaves_nothing(drawbar: Drawbar, tmp_path, monkeypatch) -> None:
     assert drawbar("articulated", "--out", "library")[0] == 0
     before = left_behind(tmp_path / "library")

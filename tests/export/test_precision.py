@@ -43,6 +43,8 @@ are millimetres apart after ten seconds, and so are those of one text on two pro
 product itself spans 6 mm over these."""
 NOT_INITIALISED, SETTINGS, ACTUATE_UNALIGNED = 65, 66, 67
 """enum drawbar_actuate_status"""
+LINE_POINTS, LINE_UNALIGNED = 2, 6
+"""enum drawbar_line_status"""
 SETTLED = 100
 """steps until the vehicle is on the path"""
 MEASUREMENT, COMMAND = SingleLayout(Measurement), SingleLayout(Command)
@@ -239,6 +241,8 @@ def test_what_holds_a_time_stamp_is_aligned_as_a_double_the_rest_as_floats(
     assert library.call_on_state("step", numbers, odd) == Status.UNALIGNED
     assert library.call_on_state("get_estimate", odd) == Status.UNALIGNED
     assert library.call("actuate", numbers, odd, room) == ACTUATE_UNALIGNED
+    assert library.call("line_path", odd, 2, odd, odd, numbers, 9, odd) == LINE_POINTS
+    assert library.call("line_path", odd, 2, odd, odd, odd, 9, odd) == LINE_UNALIGNED
 
 
 @pytest.mark.parametrize("away", [0.0, FAR])

@@ -16,7 +16,8 @@ from drawbar.guidance.path import PATH_UNIT
 from drawbar.guidance.settings import LineLimits
 from drawbar.guidance.smoothing import make_drivable
 
-MADE, NULL, POINTS, MEMORY, TIGHT, FAR = range(6)
+MADE, NULL, POINTS, MEMORY, TIGHT, FAR, UNALIGNED = range(7)
+LINE_UNIT = PATH_UNIT + '#include "line_path.h"\n#include "line_table.h"\n'
 LIMITS = (0.3, 0.3, 0.3)
 """curvature (1/m), its rate (1/m²), tolerance (m)"""
 Outcome = tuple[int, int, Floats]
@@ -25,7 +26,7 @@ Outcome = tuple[int, int, Floats]
 @pytest.fixture(scope="module")
 def line_path() -> Callable[..., Outcome]:
     """Return what the C function returns, its `made`, and the nodes; memory behind the nodes must stay as it was."""
-    made = load(build("line", PATH_UNIT + '#include "line_path.h"\n')).drawbar_line_path
+    made = load(build("line", LINE_UNIT)).drawbar_line_path
 
     def line_path(points: Floats, limits: tuple[float, ...] = LIMITS, capacity: int = 5000) -> Outcome:
         given = np.ascontiguousarray(points, np.float64)
@@ -141,7 +142,7 @@ def nearest(
 ) -> tuple[int, float, int]:
     """Return what the C function returns, and what it found."""
     found, against = ctypes.c_double(-1.0), ctypes.c_int32(-1)
-    function = load(build("line", PATH_UNIT + '#include "line_path.h"\n')).drawbar_line_nearest
+    function = load(build("line", LINE_UNIT)).drawbar_line_nearest
     function.argtypes = [
         ctypes.c_void_p,
         ctypes.c_int32,
@@ -155,7 +156,7 @@ def nearest(
 
 
 def test_the_nearest_place_and_the_way_round_are_those_of_python() -> None:
-    reverse = load(build("line", PATH_UNIT + '#include "line_path.h"\n')).drawbar_line_reverse
+    reverse = load(build("line", LINE_UNIT)).drawbar_line_reverse
     path, rng = figure_eights((8.0,), 20.0), np.random.default_rng(8)  # seed 8
     for _ in range(100):
         x, y, yaw = (float(each) for each in rng.uniform([-15.0, -15.0, -3.0], [35.0, 15.0, 3.0]))
@@ -179,3 +180,31 @@ def test_a_reach_or_a_path_that_is_none_is_refused() -> None:
     broken = nodes.copy()
     broken[5, 1] += 1.0
     assert nearest(broken, (0.0, 0.0, 0.0))[0] == POINTS
+
+
+NUMBERS, COUNT = 4, 2
+"""bytes by which a pointer to such is moved"""
+
+
+@pytest.mark.parametrize(
+    ("name", "takes"),
+    [
+        ("path", (NUMBERS, ctypes.c_int32(2), NUMBERS, NUMBERS, NUMBERS, ctypes.c_int32(100), COUNT)),
+        (
+            "nearest",
+            (NUMBERS, ctypes.c_int32(2), *[ctypes.c_double(1.0)] * 4, ctypes.c_int32(0), NUMBERS, COUNT),
+        ),
+        ("reverse", (NUMBERS, ctypes.c_int32(2), NUMBERS)),
+    ],
+)
+def test_pointers_that_are_null_or_not_aligned_are_refused_and_nothing_is_written(
+    name: str, takes: tuple[object, ...]
+) -> None:
+    function = load(build("line", LINE_UNIT))[f"drawbar_line_{name}"]
+    room = np.full(2000, 7.0)
+    good = [ctypes.c_void_p(room.ctypes.data) if isinstance(each, int) else each for each in takes]
+    for place, moved in enumerate(takes):
+        if isinstance(moved, int):
+            for wrong, status in ((None, NULL), (room.ctypes.data + moved, UNALIGNED)):
+                assert function(*good[:place], ctypes.c_void_p(wrong), *good[place + 1 :]) == status, (place, wrong)
+    assert (room == 7.0).all()

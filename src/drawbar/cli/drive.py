@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drawbar.cli.drive_choices import (
+    LIVE_PORT,
     chosen_track,
     configured,
+    demand_no_live_port,
     demand_no_pages,
     demand_real_time,
     demand_what_is_remembered,
@@ -77,7 +79,7 @@ def drive(
     shadow: Shadow = False,
     remember: Remember = False,
     live: Live = False,
-    live_port: LivePort = 8765,
+    live_port: LivePort = LIVE_PORT,
     seconds: Seconds = 0.0,
     pace: Pace = 1,
     with_console: WithConsole = False,
@@ -95,6 +97,8 @@ def drive(
     options = _console_options(pages, out, pace) if with_console else None
     if not with_console:
         demand_no_pages(pages)
+    if not live:
+        demand_no_live_port(live_port)
     require_extra("drawbar drive", "machine")
     if remember:
         demand_what_is_remembered(configuration, changes or [], shadow=shadow)
@@ -158,9 +162,11 @@ def _run(
     """Start the processes and show the drive; return whether it failed."""
     from drawbar.driving.messaging.process_options import RECORDER
     from drawbar.driving.processes.drive_processes import MESSAGES_NAME
+    from drawbar.driving.processes.process_output import crashes_written
 
     with ExitStack() as started:
         with console.status("starting the processes …"), _removed_unless_done(folder):
+            started.enter_context(crashes_written(folder / MESSAGES_NAME))
             started.enter_context(processes)
         _tell_said(processes.output())
         if options is not None:

@@ -12,6 +12,8 @@ if TYPE_CHECKING:
 
 _NEAREST = "nearest"
 """--track: the line at which the vehicle stands"""
+LIVE_PORT = 8765
+"""of --live, where none is given: Foxglove's own"""
 
 
 def demand_no_pages(pages: "Pages") -> None:
@@ -21,6 +23,14 @@ def demand_no_pages(pages: "Pages") -> None:
     given = [f"--{each.name}" for each in fields(pages) if (getattr(pages, each.name) or None) != each.default]
     if given:
         raise ConfigurationError(f"without --console no pages are served; add it, or leave out {', '.join(given)}")
+
+
+def demand_no_live_port(port: int) -> None:
+    """Raise ConfigurationError where the port of the live log is given although it is not to be shown."""
+    from drawbar.errors import ConfigurationError
+
+    if port != LIVE_PORT:
+        raise ConfigurationError("without --live no live log is served; add it, or leave out --live-port")
 
 
 def demand_real_time(pace: int) -> None:

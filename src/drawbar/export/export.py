@@ -2,10 +2,11 @@
 
 import hashlib
 import json
+import os
 import re
 import shutil
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import astuple
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,7 @@ from drawbar.export.precision import LONGEST_WINDOW, single, single_memory, sing
 from drawbar.export.recording import measurement_table, path_table, record
 from drawbar.export.targets import Precision, Target
 from drawbar.export.toolchain import build_target
+from drawbar.file_lock import is_locked
 from drawbar.guidance.path import PATH_UNIT
 from drawbar.simulation import Simulation
 from drawbar.step.build import step_settings, units_of
@@ -52,24 +54,52 @@ def export_library(
             long for single precision.
         PathError, HardwareError: the configuration's own run, which goes with the example, cannot begin.
         CompilerError: a target cannot be built.
-        DrawbarError: the folder holds other files, or cannot be written.
+        DrawbarError: the folder holds other files, another export is on there, or it cannot be written.
     """
-    _require_room(folder)
-    _require_exportable(configuration)
-    _require_precise(configuration, precision)
-    simulation = Simulation(configuration, _SEED)
-    components = list(simulation.autopilot.library.components.values())
-    sourced, memory = _source_files(configuration, components, precision)
-    files = {
-        "config.toml": configuration.to_toml(),
-        **sourced,
-        "example/path.csv": path_table(simulation.path),
-        "example/measurements.csv": measurement_table(record(simulation)),
-    }
-    with _replaced_once_whole(folder) as unfinished:
-        _write(unfinished, files)
-        builds = [build_target(target, unfinished) for target in targets]
-        _write_manifest(unfinished, manifest(configuration, precision, components, memory, builds))
+    with _own(folder):
+        _require_room(folder)
+        _require_exportable(configuration)
+        _require_precise(configuration, precision)
+        simulation = Simulation(configuration, _SEED)
+        components = list(simulation.autopilot.library.components.values())
+        sourced, memory = _source_files(configuration, components, precision)
+        files = {
+            "config.toml": configuration.to_toml(),
+            **sourced,
+            "example/path.csv": path_table(simulation.path),
+            "example/measurements.csv": measurement_table(record(simulation)),
+        }
+        with _replaced_once_whole(folder) as unfinished:
+            _write(unfinished, files)
+            builds = [build_target(target, unfinished) for target in targets]
+            _write_manifest(unfinished, manifest(configuration, precision, components, memory, builds))
+
+
+@contextmanager
+def _own(folder: Path) -> Iterator[None]:
+    """Keep other exports out of a folder, which is made where it is not there, and removed again where it stays empty.
+
+    Raises:
+        DrawbarError: another export is on there, or the folder cannot be made.
+    """
+    new = [each for each in (folder, *folder.parents) if not each.exists()]
+    with termination_as_exit(), ExitStack() as stack:
+        with _writing(folder):
+            folder.mkdir(parents=True, exist_ok=True)
+            if os.name == "posix":  # Windows opens no folders
+                opened = os.open(folder, os.O_RDONLY)
+                stack.callback(os.close, opened)
+                if is_locked(opened):
+                    raise DrawbarError(
+                        f"{folder}: another export is on there; wait until it has ended, or choose another --out "
+                        "folder."
+                    )
+        try:
+            yield
+        finally:
+            with suppress(OSError):  # they are not empty: the export is whole
+                for each in new:
+                    each.rmdir()
 
 
 @contextmanager
@@ -79,22 +109,22 @@ def _replaced_once_whole(folder: Path) -> Iterator[Path]:
     Raises:
         DrawbarError: the folder cannot be written.
     """
-    new = [each for each in (folder, *folder.parents) if not each.exists()]
     unfinished = folder / _UNFINISHED
-    with termination_as_exit():
-        try:
+    try:
+        with _writing(folder):
             shutil.rmtree(unfinished, ignore_errors=True)
             yield unfinished
             _replace(folder, unfinished)
-        except OSError as error:
-            raise DrawbarError(
-                f"{folder}: cannot be written ({error.strerror}); choose another --out folder."
-            ) from error
-        finally:
-            shutil.rmtree(unfinished, ignore_errors=True)
-            with suppress(OSError):  # they are not empty: the export is whole
-                for each in new:
-                    each.rmdir()
+    finally:
+        shutil.rmtree(unfinished, ignore_errors=True)
+
+
+@contextmanager
+def _writing(folder: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise DrawbarError(f"{folder}: cannot be written ({error.strerror}); choose another --out folder.") from error
 
 
 def _write(folder: Path, files: Mapping[str, str]) -> None:
@@ -171,7 +201,7 @@ def _source_files(
     texts["path.c"] = PATH_UNIT
     texts["step.c"] = '/* The control step. */\n#include "step.h"\n'
     texts["actuate.c"] = '/* The low level: valves, motors, pedal. */\n#include "actuate.h"\n'
-    texts["line.c"] = '/* Recorded lines as paths. */\n#include "line_path.h"\n'
+    texts["line.c"] = '/* Recorded lines as paths. */\n#include "line_path.h"\n#include "line_table.h"\n'
     main = sources.filled("main.c", {})
     every, memory = {**texts, **sources.headers(texts.values())}, Memory.of(components)
     sizes = _sizes(memory, configuration, version, constants)

@@ -8,6 +8,7 @@
 
 #include "drawbar_line.h"
 #include "lanes.h"
+#include "line_given.h"
 #include "path.h"
 
 #define LINE_PIECE 0.25                    /* longest step, m: PIECE_LENGTH of path.py */
@@ -17,7 +18,6 @@
 #define LINE_DETAIL 0.7                    /* m, _DETAIL */
 #define LINE_MARGIN 0.995                  /* of the curvature, _MARGIN */
 #define LINE_RATE_MARGIN 1.1               /* _RATE_MARGIN */
-#define LINE_FARTHEST 1e7                  /* largest coordinate, m: PATH_FARTHEST */
 #define LINE_SEARCH 2.0                    /* m around where a recorded point was */
 
 typedef double wide;                       /* lengths and points of the whole line: a double in single precision, too, as
@@ -228,8 +228,11 @@ int drawbar_line_path(const struct drawbar_line_point *points, int32_t count,
                       const struct drawbar_line_limits *limits, struct drawbar_path_node *nodes,
                       struct drawbar_line_row *work, int32_t capacity, int32_t *made)
 {
-    if (points == NULL || limits == NULL || nodes == NULL || work == NULL || made == NULL)
-        return DRAWBAR_LINE_NULL;
+    const struct line_given given[] = {LINE_NUMBERS(points), LINE_NUMBERS(limits), LINE_NUMBERS(nodes), LINE_ROWS(work),
+                                       LINE_COUNT(made)};
+    const int refused = line_refused(given, 5);
+    if (refused)
+        return refused;
     *made = 0;
     const wide length = line_length(points, count);
     if (count < 2 || !(length >= LINE_SHORTEST && length <= LINE_LONGEST) || !(limits->curvature > 0.0)
@@ -257,39 +260,6 @@ int drawbar_line_path(const struct drawbar_line_point *points, int32_t count,
     const int32_t far = line_far(&path, points, count, step, limits->tolerance);
     *made = far >= 0 ? far : n;
     return far >= 0 ? DRAWBAR_LINE_FAR : DRAWBAR_LINE_MADE;
-}
-
-int drawbar_line_nearest(const struct drawbar_path_node *nodes, int32_t count, double x, double y, double yaw, double reach,
-                         int32_t both_ways, double *arc_length, int32_t *against)
-{
-    const struct path path = {nodes, count, NULL};
-    int away;
-
-    if (nodes == NULL || arc_length == NULL || against == NULL)
-        return DRAWBAR_LINE_NULL;
-    if (drawbar_path_check(&path) >= 0 || !(fabs(x) <= LINE_FARTHEST && fabs(y) <= LINE_FARTHEST) || isinf(yaw) || !(reach > 0.0))
-        return DRAWBAR_LINE_POINTS;
-    *arc_length = drawbar_path_nearest(&path, x, y, yaw, reach, both_ways != 0, &away);
-    *against = away;
-    return DRAWBAR_LINE_MADE;
-}
-
-int drawbar_line_reverse(const struct drawbar_path_node *nodes, int32_t count, struct drawbar_path_node *reversed)
-{
-    const struct path path = {nodes, count, NULL};
-
-    if (nodes == NULL || reversed == NULL)
-        return DRAWBAR_LINE_NULL;
-    if (drawbar_path_check(&path) >= 0)
-        return DRAWBAR_LINE_POINTS;
-    for (int32_t i = 0; i < count; ++i) {
-        const struct drawbar_path_node *node = &nodes[count - 1 - i];
-        reversed[i].arc_length = path_length(&path) - node->arc_length;
-        reversed[i].x = node->x;
-        reversed[i].y = node->y;
-        reversed[i].yaw = node->yaw + DRAWBAR_PI;
-    }
-    return DRAWBAR_LINE_MADE;
 }
 
 #endif

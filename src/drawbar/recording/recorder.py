@@ -5,7 +5,6 @@ A step is written as the bytes that C made of it, behind the four that mark them
 
 import math
 import os
-import sys
 import time
 from contextlib import suppress
 from pathlib import Path
@@ -15,6 +14,7 @@ from typing import BinaryIO, Self
 import msgspec
 
 from drawbar.errors import StorageError, demand, demand_path
+from drawbar.file_lock import is_locked
 from drawbar.recording.chunked_writer import ChunkedWriter
 from drawbar.recording.encoding import encode_special
 from drawbar.recording.log import HEADER_NAME, OUTCOME_NAME, STEP_TOPIC, Outcome, RunHeader
@@ -37,23 +37,13 @@ def demand_not_recorded(file: Path) -> None:
 
 
 def _take(stream: BinaryIO, file: Path) -> None:
-    """Lock a file until it is closed, so that one run at a time records into it; where there are no locks, do nothing.
+    """Lock a file until it is closed, so that one run at a time records into it.
 
     Raises:
         StorageError: another run records into it.
     """
-    if sys.platform == "win32":
-        return
-    import fcntl  # POSIX alone has it
-
-    try:
-        fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError as error:
-        raise StorageError(
-            f"{file}: another run is recorded there; wait until it has ended, or choose another folder"
-        ) from error
-    except OSError:  # a file system without locks
-        return
+    if is_locked(stream):
+        raise StorageError(f"{file}: another run is recorded there; wait until it has ended, or choose another folder")
 
 
 def _untruncated(name: str, flags: int) -> int:

@@ -101,6 +101,12 @@ def test_so_far_beyond_the_edge_is_allowed(beyond):
     assert fence.contains(np.vstack([sides, corner])).tolist() == [True, False] * 3
 
 
+def test_the_width_between_lines_is_not_that_of_the_vehicle():
+    fence = FieldFence(load_configuration("articulated", [STRICT, "path.working_width=6.0"]), FieldEdge(ring=SQUARE))
+    along = np.array([[x, 29.9] for x in np.arange(-19.0, EAST, 0.5)])
+    assert fence.contains(along).all()
+
+
 def test_the_edge_is_on_the_frame_of_the_line(field):
     configuration = configured(field)
     edge = load_edge(field, local_frame(configuration)).ring

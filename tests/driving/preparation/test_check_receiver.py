@@ -329,7 +329,7 @@ def test_stations_of_both_receivers_are_compared(monkeypatch):
         "check_receiver",
         lambda name, *_, **__: Finding(device=name, received=True, station=3 if "tractor" in name else 4),
     )
-    for others in ("_boards", "_isobus"):
+    for others in ("_boards", "check_isobus"):
         monkeypatch.setattr(check, others, lambda *_, **__: iter([]))
     found = check.check(isobus_devices(), LocalFrame(latitude=50.0, longitude=4.0), 1.0, 0.2, oldest=5.0)
     problems = [any("station" in problem for problem in finding.problems) for finding in found]

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import signal
 import socket
@@ -163,6 +164,15 @@ def test_a_recorder_that_is_killed_costs_the_record_only_and_that_is_reported(te
     log = read_log(tmp_path / "run" / "log.mcap")
     assert log.records
     assert not log.outcome.finished
+
+
+def test_a_front_end_that_crashes_leaves_where_it_was(terminal, tmp_path):
+    terminal.await_words("not ready to engage")
+    terminal.process.send_signal(signal.SIGSEGV)
+    assert terminal.drain() == -signal.SIGSEGV
+    told = (tmp_path / "run" / "messages.txt").read_text()
+    assert told.count("Fatal Python error: Segmentation fault") == 1
+    assert re.search(r'File ".*drive.py", line \d+ in _drive', told)
 
 
 @pytest.mark.parametrize("terminal", [[f"--set={change}" for change in PATIENT]], indirect=True)

@@ -59,3 +59,8 @@ def test_a_valve_that_cannot_be_is_refused(valve: dict[str, object], text: str) 
 def test_two_valves_need_two_addresses(addresses: str) -> None:
     with pytest.raises(ValidationError, match="need an address each"):
         IsobusSettings.model_validate(tomllib.loads(TEXT.replace("address = 39", addresses)))
+
+
+def test_the_address_of_a_valve_is_not_claimed() -> None:
+    with pytest.raises(ValidationError, match=r"preferred_address = 38 is a valve's; drawbar needs another one"):
+        IsobusSettings.model_validate({**tomllib.loads(TEXT), "preferred_address": 38})

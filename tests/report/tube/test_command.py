@@ -8,10 +8,14 @@ from rich.cells import cell_len
 from rich.console import Console
 
 from drawbar.config import load_configuration
+from drawbar.control.tube.tube import bodies_of
 from drawbar.errors import ConfigurationError, DrawbarError
+from drawbar.recording.log import read_log
 from drawbar.recording.recorder import Recorder
 from drawbar.report.tube.command import show_tubes
+from drawbar.report.tube.recorded import findings, recordings
 from drawbar.simulation import Simulation
+from drawbar.step.build import operating_conditions
 
 SHORT = ("path.radii=[8.0]", "path.straight_length=1.0")
 
@@ -104,6 +108,28 @@ def test_proposed_bounds_are_violated_by_nothing_in_their_log(tube, log, tmp_pat
     own.write_text('extends = "articulated"\n' + said[said.index("[tube.") : said.rindex("\n\n")], "utf-8")
     _, said = tube(str(own), logs=[log])
     assert said.count("None is violated.") == 2
+
+
+def magnitudes(file):
+    """Return what a log shows of each bound of the tractor, one number a sample."""
+    config = load_configuration("articulated")
+    body = bodies_of(config.controller, operating_conditions(config), config.tube)[0]
+    recorded = recordings(file, read_log(file), config, "tractor", body.model)
+    return {(each.section, each.name): each.magnitudes for each in findings(recorded, body, config.tube.tractor)}
+
+
+def test_a_log_that_lacks_steps_says_so_and_what_is_beside_a_gap_counts_as_no_step(tube, log, tmp_path):
+    content, file = read_log(log), tmp_path / "gaps.mcap"
+    with Recorder(file, content.header) as recorder:
+        for record in content.records:
+            if record.step % 50 not in (20, 21, 22):
+                recorder.write(record)
+    assert f"{file}: steps 20 to 22 are lost" in tube("articulated", logs=[file])[1].replace("\n", " ")
+    whole, of_gaps = magnitudes(log), magnitudes(file)
+    assert of_gaps.keys() == whole.keys()
+    for name, values in of_gaps.items():
+        assert len(values) > 0.8 * len(whole[name])
+        assert set(values) <= set(whole[name]), name
 
 
 def test_a_log_of_another_controller_is_refused(tube, log):

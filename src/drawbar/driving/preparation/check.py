@@ -8,43 +8,36 @@ import time
 from collections.abc import Callable, Iterator
 from functools import partial
 
-from drawbar.driving.devices.actuators import board_wires, isobus_wire
+from drawbar.driving.devices.actuators import board_wires
+from drawbar.driving.preparation.check_isobus import check_isobus
 from drawbar.driving.preparation.check_receiver import check_receiver, not_forwarded, other_station, other_time
-from drawbar.driving.preparation.finding import Finding, finding_of, poll_times, tell_silence
+from drawbar.driving.preparation.finding import MOST_SWINGS, OFF, STOP, Finding, finding_of, poll_times, tell_silence
 from drawbar.errors import HardwareError
 from drawbar.geometry import LocalFrame
 from drawbar.machine.hardware.bare_valve_settings import BareValveSettings
 from drawbar.machine.hardware.board_scan import BoardScan
 from drawbar.machine.hardware.corrections.corrections import Corrections, open_corrections
 from drawbar.machine.hardware.devices import DeviceSettings
-from drawbar.machine.hardware.isobus import IsobusSettings
 from drawbar.machine.hardware.receiver import ReceiverSettings
 from drawbar.machine.hardware.sensor_line import SensorBoardSettings, SensorLine
 from drawbar.machine.hardware.steer_board import SteerBoardSettings
-from drawbar.protocols.actuator import Readiness, SteeringActuator, SteeringReport, SteeringRequest
+from drawbar.protocols.actuator import Readiness, SteeringActuator, SteeringReport
 from drawbar.protocols.agopengps.board_replies import LARGEST_ANGLE
 from drawbar.protocols.agopengps.frame import STEER_BOARD
 from drawbar.protocols.agopengps.network import ScanReply
 from drawbar.protocols.agopengps.steer_board import SteerBoard
 from drawbar.protocols.bare_valve import ValveBoard
 from drawbar.protocols.sensors import SensorFault
-from drawbar.protocols.speed_actuator import SpeedRequest
 from drawbar.safety.wires import Wires
 from drawbar.transports.base import Transport
 from drawbar.transports.open import open_transport
 
-_SLOW = 1.0
-"""limit of the speed, of which none is asked for, m/s"""
 _TICK = 0.1
 """between two words to a board, s"""
 _SCAN = 1.0
 """for which answers to a scan are waited for, s"""
 _ASK_AGAIN = 0.4
 """between two scans, s"""
-_SWINGS = 3
-"""of a board's angle, there and back again, that may be chance"""
-_OFF = SteeringRequest(steer=False, angle=0.0, speed=0.0)
-_STOP = SpeedRequest(drive=False, speed=0.0, deceleration=1.0)
 
 
 def check(
@@ -78,7 +71,7 @@ def check(
     boards = {"tractor board": devices.tractor_board, "trailer board": devices.trailer_board}
     yield from _boards({name: board for name, board in boards.items() if board is not None}, seconds)
     if devices.isobus is not None:
-        yield from _isobus(devices.isobus, seconds, drives=devices.speed == "isobus")
+        yield from check_isobus(devices.isobus, seconds, drives=devices.speed == "isobus")
     if devices.sensors is not None:
         yield finding_of("sensor board", partial(_sensors, devices.sensors, seconds))
     if devices.bare_valve is not None:
@@ -180,7 +173,7 @@ def listen_to_board(name: str, settings: SteerBoardSettings, seconds: float) -> 
         looked = now
         if now >= tick:
             tick = now + _TICK
-            wires.send(now, (_OFF, _OFF), _STOP)
+            wires.send(now, (OFF, OFF), STOP)
     finding.received = math.isfinite(report.angle_time)
     if finding.received:
         finding.facts.append(f"angle {math.degrees(report.angle):.1f}°, {report.readiness.name.lower()}")
@@ -197,7 +190,7 @@ def listen_to_board(name: str, settings: SteerBoardSettings, seconds: float) -> 
 def _unfit(report: SteeringReport, board: SteeringActuator[bytes] | None) -> list[str]:
     """Return why a board that reports cannot steer."""
     assert isinstance(board, SteerBoard)
-    if board.swings > _SWINGS:
+    if board.swings > MOST_SWINGS:
         return [
             f"its angle jumped away and back {board.swings} times: two boards answer from its address (leave one on "
             "and check again: each needs a network of its own), or its sensor has a loose contact"
@@ -210,42 +203,6 @@ def _unfit(report: SteeringReport, board: SteeringActuator[bytes] | None) -> lis
         f"its sensor measures {math.degrees(report.angle):.1f}°, more than a wheel turns: check for a broken or "
         "shorted cable, then calibrate it"
     ]
-
-
-def _isobus(settings: IsobusSettings, seconds: float, *, drives: bool) -> Iterator[Finding]:
-    """Claim an address, send "not intended", and listen to the valves and to the tractor."""
-    wire, now, tick = isobus_wire(settings, _SLOW if drives else None), 0.0, 0.0
-    wires = Wires([wire])
-    for now in poll_times(seconds):
-        wires.receive()
-        if now >= tick:
-            tick = now + _TICK / 2.0
-            wires.send(now, (_OFF, _OFF), _STOP)
-    if wire.transport.trouble:
-        problem = f"{wire.transport.trouble}: check the adapter, its bit rate and that its interface is up"
-        yield Finding(device="ISOBUS", problems=[problem])
-    if not wire.transport.connected:  # its devices cannot be distinguished
-        wires.close()
-        return
-    for name, report in zip(("tractor valve", "trailer valve"), wires.steering(now), strict=True):
-        if report is not None:
-            angle = [f"angle {math.degrees(report.angle):.1f}°"] if math.isfinite(report.angle) else []
-            yield _on_the_bus(name, report.readiness, angle)
-    speed = wires.speed(now)
-    if speed is not None:
-        yield _on_the_bus("tractor's speed", speed.readiness, [])
-    wires.close()
-
-
-def _on_the_bus(name: str, readiness: Readiness, facts: list[str]) -> Finding:
-    ready = readiness is Readiness.READY
-    received = readiness not in (Readiness.SILENT, Readiness.ADDRESS_LOST)
-    return Finding(
-        device=name,
-        received=received,
-        facts=[*facts, readiness.name.lower()] if received else [],
-        problems=[] if ready else [readiness.value],
-    )
 
 
 def _sensors(settings: SensorBoardSettings, seconds: float) -> Finding:

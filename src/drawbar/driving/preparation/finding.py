@@ -7,8 +7,14 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from drawbar.errors import HardwareError
+from drawbar.protocols.actuator import SteeringRequest
+from drawbar.protocols.speed_actuator import SpeedRequest
 from drawbar.transports.base import Transport
 
+OFF = SteeringRequest(steer=False, angle=0.0, speed=0.0)
+STOP = SpeedRequest(drive=False, speed=0.0, deceleration=1.0)
+MOST_SWINGS = 3
+"""of an angle, there and back again, that may be chance"""
 _LOOK = 0.02
 """between two looks at a device, s"""
 

@@ -4,8 +4,11 @@ They write into memory, which keeps none of them waiting: on a disk that hangs, 
 thread copies it to the file.
 """
 
+import faulthandler
 import os
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 _PERIOD = 0.5
@@ -72,3 +75,23 @@ class ProcessOutput:
             return
         self.trouble = ""
         self._copied += len(data)
+
+
+@contextmanager
+def crashes_written(file: Path) -> Iterator[None]:
+    """Let a crash of this very process, after which nobody copies, leave where it was behind what is in a file.
+
+    Where Python is to tell that already (-X faulthandler), it does so as it was told.
+
+    Raises:
+        OSError: the file cannot be opened.
+    """
+    if faulthandler.is_enabled():
+        yield
+        return
+    with file.open("ab") as stream:
+        faulthandler.enable(stream)
+        try:
+            yield
+        finally:
+            faulthandler.disable()

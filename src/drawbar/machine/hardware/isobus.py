@@ -101,11 +101,13 @@ class IsobusSettings(Settings):
     """of the trailer's axle or joint"""
 
     @model_validator(mode="after")
-    def _two_valves_have_two_addresses(self) -> Self:
+    def _each_has_an_address_of_its_own(self) -> Self:
         both = (self.tractor_valve, self.trailer_valve)
         addresses = [valve.address for valve in both if valve is not None]
         if len(addresses) == 2 and (None in addresses or addresses[0] == addresses[1]):
             raise ValueError(f"two valves on one bus need an address each, and different ones; given are {addresses}")
+        if self.preferred_address in addresses:
+            raise ValueError(f"preferred_address = {self.preferred_address} is a valve's; drawbar needs another one")
         return self
 
     def node(self) -> IsobusNode:

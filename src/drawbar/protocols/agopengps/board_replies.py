@@ -3,13 +3,12 @@
 import math
 
 from drawbar.protocols.agopengps.steering import SteerReply
+from drawbar.protocols.swings import Swings
 
 LARGEST_ANGLE = math.radians(49.995)
 """boards release above 50°, and report nothing larger, rad"""
 LARGEST_JUMP = math.radians(5.0)
 """between two replies 0.1 s or less apart, rad"""
-_SWING = math.radians(2.0)
-"""by which an angle that is there and back again within three replies has been away: no wheel is so quick, rad"""
 _JUMP_RATE = math.radians(50.0)
 """between replies further apart, rad/s: no steering is as fast"""
 _FRESH = 0.5
@@ -36,12 +35,10 @@ class BoardReplies:
         """the board will not steer"""
         self.plausible = False
         """the last reply's angle can be true"""
-        self.swings = 0
-        """how often the angle was away and back again within three replies"""
+        self.swings = Swings()
         self._host, _, self._port = address.partition(":")
         self._sign = -1.0 if inverted else 1.0
         self._own = own
-        self._before = math.nan
         self._jumped = -math.inf
         self._since = math.inf
         self._asked = math.inf
@@ -65,10 +62,10 @@ class BoardReplies:
         """Take in a reply; return whether its angle can be true after the one before."""
         before, elapsed = self.angle, time - self.time
         if not elapsed <= _FRESH:
-            self._before, before, self._since = math.nan, math.nan, time
+            before, self._since = math.nan, time
+            self.swings.forget()
         self.angle = self._sign * reply.angle
-        self.swings += abs(before - self.angle) > _SWING > 2.0 * abs(self._before - self.angle)
-        self._before = before
+        self.swings.see(self.angle)
         self.time, self.steer_off, self._asked = time, reply.steer_off, math.inf
         jumped = abs(self.angle - before) > max(LARGEST_JUMP, _JUMP_RATE * elapsed)
         self._jumped = time if jumped else self._jumped

@@ -98,7 +98,7 @@ class SteerBoard(SteeringActuator[bytes]):
     @property
     def swings(self) -> int:
         """How often the board's angle was away and back again within three replies, as of two boards at one address."""
-        return self._replies.swings
+        return self._replies.swings.count
 
     # What comes in
 

@@ -5,6 +5,7 @@ from collections import Counter
 from enum import Enum, auto
 
 from drawbar.protocols.actuator import Readiness, SteeringActuator, SteeringReport, SteeringRequest
+from drawbar.protocols.isobus.address import CLAIM
 from drawbar.protocols.isobus.cadence import Cadence
 from drawbar.protocols.isobus.curvature import CurvatureMap
 from drawbar.protocols.isobus.guidance_messages import (
@@ -23,6 +24,7 @@ from drawbar.protocols.isobus.guidance_messages import (
 )
 from drawbar.protocols.isobus.identifier import GLOBAL, Message
 from drawbar.protocols.isobus.node import Component, IsobusNode
+from drawbar.protocols.swings import Swings
 from drawbar.transports.base import CanFrame
 
 _GAP = 0.3
@@ -33,6 +35,8 @@ _CLEARED = 0.5
 """within which a valve that steers must have cleared an exit reason from before, s"""
 _OTHER_MASTER_HOLD = 1.0
 """for how long another sender of commands is remembered, s"""
+_SWINGS = 3
+"""of the angle, one after the other, that show two valves at one address"""
 _OFF_TIME = 1.0
 """for which "not intended" is sent after steering, also where another sender commands, s"""
 _OPERATOR_EXITS = (ExitReason.OPERATOR_OVERRIDE,)
@@ -64,7 +68,8 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
     says that it is ready, it is the latter after a second, and does not stand against steering; the valve must clear
     it once it steers.
 
-    `address` is the valve's own; None: it is the only one on the bus, and is commanded by messages to all.
+    `address` is the valve's own; None: it is the only one on the bus, and is commanded by messages to all. Where a
+    stronger NAME claims it the valve must leave it, and what is sent from there counts as from a valve that was silent.
     """
 
     def __init__(
@@ -73,6 +78,10 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
         self.dropped: dict[str, int] = Counter()
         self.machine: MachineInfo | None = None
         """what the valve has sent last, its engage switch included"""
+        self.contested = False
+        """devices of two NAMEs have claimed the valve's address"""
+        self.swings = Swings()
+        """of its angle"""
         self._node, self._map, self._address = node, curvature, address
         self._cadence = Cadence(period)
         self._phase = _Phase.LATCHED
@@ -84,6 +93,8 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
         self._stop_now = False
         """"not intended" is to be sent out of turn"""
         self._source: int | None = address
+        self._name: int | None = None
+        """the strongest NAME that has claimed the valve's address: whoever has another one must leave it"""
         self._info_time = self._second_valve_time = self._other_master_time = self._steered = -math.inf
         self._received_since = self._steering_since = self._reason_since = math.inf
         self._losses = node.claim.losses
@@ -94,9 +105,11 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
         self._node.receive(time, frame, carrier=self)
 
     def receive_message(self, time: float, message: Message) -> None:
-        """Take in the valve's own state, and who else commands it."""
+        """Take in the valve's own state, who else commands it, and who claims its address."""
         if message.pgn == MACHINE_INFO:
             self._receive_info(time, message)
+        elif message.pgn == CLAIM and message.source == self._source and len(message.data) == 8:
+            self._receive_claim(int.from_bytes(message.data, "little"))
         elif message.pgn == SYSTEM_COMMAND and message.destination in (GLOBAL, self._source):
             command = decode_command(message.data)
             if command is None:
@@ -131,9 +144,19 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
             readiness=self._cause or conditions,
         )
 
+    def _receive_claim(self, name: int) -> None:
+        """Notice another device at the valve's address: where it is the stronger, that is no longer the valve's."""
+        if self._name is not None and name != self._name:
+            self.contested = True
+            if name < self._name:
+                self._info_time = -math.inf
+                if self._phase is _Phase.STEERING:
+                    self._leave(Readiness.FAULT)
+        self._name = name if self._name is None else min(name, self._name)
+
     def _receive_info(self, time: float, message: Message) -> None:
-        if self._address is None and time - self._info_time > _GAP:
-            self._source = message.source
+        if self._address is None and time - self._info_time > _GAP and message.source != self._source:
+            self._source, self._name = message.source, None
         if message.source != self._source:
             if self._address is None:
                 self.dropped["second valve"] += 1
@@ -147,8 +170,12 @@ class GuidanceValve(SteeringActuator[CanFrame], Component):
             self._reason_since = time
         if time - self._info_time > _GAP:
             self._received_since = time
+            self.swings.forget()
             if self._phase is _Phase.STEERING:
                 self._leave(Readiness.SILENT)
+        self.swings.see(self._map.angle(info.curvature))
+        if self.swings.in_a_row >= _SWINGS:
+            self._second_valve_time = time
         self.machine, self._info_time = info, time
         # A state that lasts for one message only is seen here, whatever the gate's rate.
         state = self._state(time, info)

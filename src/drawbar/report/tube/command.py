@@ -12,6 +12,7 @@ from drawbar.control.tube.bodies import Body
 from drawbar.control.tube.kept_rate import with_kept_rates
 from drawbar.control.tube.tube import bodies_of, overdrawn_bounds, tube_of
 from drawbar.errors import ConfigurationError
+from drawbar.recording.log import read_log
 from drawbar.report.tube.console import findings_text, proposal, tube_text
 from drawbar.report.tube.page import write_page
 from drawbar.report.tube.recorded import Recording, findings, recordings
@@ -32,7 +33,7 @@ def show_tubes(console: Console, configuration: Configuration, out: Path, logs: 
     bodies = dict(zip(BODIES, _bodies(configuration), strict=True))
     settings = {name: getattr(configuration.tube, name) for name in BODIES}
     tubes = {name: tube_of(name, body, settings[name], configuration.tube.nominal) for name, body in bodies.items()}
-    recorded = {name: recordings(logs, configuration, name, body) for name, body in bodies.items()}
+    recorded = _recorded(console, configuration, bodies, logs)
     console.print(Text(f"{configuration.name}, nominal state {configuration.tube.nominal}"))
     advice = {name: overdrawn_bounds(name, body, settings[name], tubes[name]) for name, body in bodies.items()}
     for name, tube in tubes.items():
@@ -41,6 +42,20 @@ def show_tubes(console: Console, configuration: Configuration, out: Path, logs: 
         _compare(console, configuration, bodies, recorded)
     console.print(f"\n{write_page(out, configuration, tubes, advice, recorded)}", soft_wrap=True)
     return not any(advice.values())
+
+
+def _recorded(
+    console: Console, configuration: Configuration, bodies: dict[str, Body], logs: Sequence[Path]
+) -> dict[str, list[Recording]]:
+    """Return what logs hold of each body; print what of them is damaged or cut off."""
+    recorded: dict[str, list[Recording]] = {name: [] for name in bodies}
+    for file in logs:
+        log = read_log(file)
+        for shortcoming in log.shortcomings:
+            console.print(Text(f"{file}: {shortcoming}", "bold yellow"), soft_wrap=True)
+        for name, body in bodies.items():
+            recorded[name] += recordings(file, log, configuration, name, body.model)
+    return recorded
 
 
 def _kept(configuration: Configuration) -> Configuration:

@@ -14,7 +14,7 @@ from drawbar.control.tube.error_model import ErrorModel
 from drawbar.control.tube.identification import Identified, identified
 from drawbar.errors import DrawbarError
 from drawbar.geometry import Floats
-from drawbar.recording.log import RunLog, read_log
+from drawbar.recording.log import RunLog
 
 CONFIDENCE = 0.95
 
@@ -48,7 +48,7 @@ class Finding:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Recording:
-    """The samples of one body in one run, as its error model sees them."""
+    """Samples of one body that follow each other in a run, as its error model sees them."""
 
     deviations: Floats
     """x^ - x̄ (k, n)"""
@@ -67,13 +67,32 @@ def coverage(samples: int) -> float:
     return float((1.0 - CONFIDENCE) ** (1.0 / max(samples, 1)))
 
 
-def recordings(files: Sequence[Path], configuration: Configuration, name: str, body: Body) -> list[Recording]:
-    """Read what logs hold of the body of this name.
+def recordings(file: Path, log: RunLog, configuration: Configuration, name: str, model: ErrorModel) -> list[Recording]:
+    """Return what a log, read from a file, holds of the body of this name: each of its stretches without lost steps.
 
     Raises:
-        DrawbarError: a log cannot be read, or was driven with other models or an optimised nominal state.
+        DrawbarError: it was driven with other models or an optimised nominal state.
     """
-    return [_recording(file, configuration, name, body.model) for file in files]
+    driven = tomllib.loads(log.header.configuration)  # perhaps of another version of drawbar
+    model_name, sample_time, nominal = driven["controller"]["model"], driven["sample_time"], driven["tube"]["nominal"]
+    same = (model_name, sample_time) == (configuration.controller.model, configuration.sample_time)
+    if not same or nominal == Nominal.OPTIMISED:
+        raise DrawbarError(
+            f"{file}: was driven with controller.model = {model_name!r}, sample_time = {sample_time} s, tube.nominal = "
+            f"{nominal!r}; one-step errors need those of the given configuration ({configuration.controller.model!r}, "
+            f"{configuration.sample_time} s) and a nominal state that is 'predicted' or 'propagated'"
+        )
+    deviations = [getattr(record.plan, name).deviation for record in log.records]
+    n = len(model.states)
+    if not deviations or any(len(deviation) != n for deviation in deviations):
+        raise DrawbarError(f"{file}: holds no deviations of the {name} from its nominal state; drive the run again")
+    corrections = log.column(f"{name}_steering.command") - log.column(f"{name}_steering.nominal")
+    errors = _estimate_errors(log, name, model.states)
+    gaps = np.flatnonzero(np.diff([record.step for record in log.records]) != 1) + 1
+    stretches = zip(*(np.split(values, gaps) for values in (np.array(deviations), corrections, errors)), strict=True)
+    return [
+        Recording(deviations=x, corrections=u, estimate_errors=eps, nominal=Nominal(nominal)) for x, u, eps in stretches
+    ]
 
 
 def findings(recorded: Sequence[Recording], body: Body, settings: BodyTubeSettings) -> list[Finding]:
@@ -100,30 +119,6 @@ def _finding(settings: BodyTubeSettings, same: tuple[Identified, ...]) -> Findin
         unit=first.unit,
         magnitudes=np.concatenate([one.magnitudes for one in same]),
         declared=getattr(settings, first.section).get(first.name, 0.0),
-    )
-
-
-def _recording(file: Path, configuration: Configuration, name: str, model: ErrorModel) -> Recording:
-    log = read_log(file)
-    driven = tomllib.loads(log.header.configuration)  # perhaps of another version of drawbar
-    model_name, sample_time, nominal = driven["controller"]["model"], driven["sample_time"], driven["tube"]["nominal"]
-    same = (model_name, sample_time) == (configuration.controller.model, configuration.sample_time)
-    if not same or nominal == Nominal.OPTIMISED:
-        raise DrawbarError(
-            f"{file}: was driven with controller.model = {model_name!r}, sample_time = {sample_time} s, tube.nominal = "
-            f"{nominal!r}; one-step errors need those of the given configuration ({configuration.controller.model!r}, "
-            f"{configuration.sample_time} s) and a nominal state that is 'predicted' or 'propagated'"
-        )
-    deviations = [getattr(record.plan, name).deviation for record in log.records]
-    n = len(model.states)
-    if not deviations or any(len(deviation) != n for deviation in deviations):
-        raise DrawbarError(f"{file}: holds no deviations of the {name} from its nominal state; drive the run again")
-    corrections = log.column(f"{name}_steering.command") - log.column(f"{name}_steering.nominal")
-    return Recording(
-        deviations=np.array(deviations),
-        corrections=corrections,
-        estimate_errors=_estimate_errors(log, name, model.states),
-        nominal=Nominal(nominal),
     )
 
 

@@ -26,8 +26,9 @@ enum drawbar_line_status {
     DRAWBAR_LINE_MEMORY = 3,               /* more nodes are needed than there is room for: `made`: how many */
     DRAWBAR_LINE_TIGHT = 4,                /* bends, or changes its curvature, faster than the vehicle can, or goes
                                             * back and forth: `made` is the first such node */
-    DRAWBAR_LINE_FAR = 5                   /* a recorded point is further from the path than the tolerance: `made` is
+    DRAWBAR_LINE_FAR = 5,                  /* a recorded point is further from the path than the tolerance: `made` is
                                             * the furthest */
+    DRAWBAR_LINE_UNALIGNED = 6             /* a pointer is not aligned as what it leads to: some processors stop there */
 };
 
 struct drawbar_line_point {
@@ -40,7 +41,7 @@ struct drawbar_line_limits {
     double tolerance;                      /* guidance.path_tolerance, m */
 };
 
-/* One row of what drawbar_line_path works in; its content means nothing. */
+/* One row of what drawbar_line_path works in, doubles in single precision, too; its content means nothing. */
 struct drawbar_line_row {
     double memory[6];
 };
@@ -64,8 +65,8 @@ DRAWBAR_API int drawbar_line_path(const struct drawbar_line_point *points, int32
  * arc_length: of the place, m.
  * against: 1 where the path leads the other way there, by more than 120 degrees: drive what drawbar_line_reverse makes.
  *
- * Returns DRAWBAR_LINE_MADE, DRAWBAR_LINE_NULL, or DRAWBAR_LINE_POINTS: no path, a place that is not finite, or a reach
- * that is not positive. */
+ * Returns DRAWBAR_LINE_MADE, DRAWBAR_LINE_NULL, DRAWBAR_LINE_UNALIGNED, or DRAWBAR_LINE_POINTS: no path, a place that is
+ * not finite, or a reach that is not positive. */
 DRAWBAR_API int drawbar_line_nearest(const struct drawbar_path_node *nodes, int32_t count, double x, double y, double yaw,
                                      double reach, int32_t both_ways, double *arc_length, int32_t *against);
 
@@ -74,7 +75,7 @@ DRAWBAR_API int drawbar_line_nearest(const struct drawbar_path_node *nodes, int3
  * nodes: count of them, as for drawbar_set_path.
  * reversed: room for as many, apart from `nodes`.
  *
- * Returns DRAWBAR_LINE_MADE, DRAWBAR_LINE_NULL, or DRAWBAR_LINE_POINTS: no path. */
+ * Returns DRAWBAR_LINE_MADE, DRAWBAR_LINE_NULL, DRAWBAR_LINE_UNALIGNED, or DRAWBAR_LINE_POINTS: no path. */
 DRAWBAR_API int drawbar_line_reverse(const struct drawbar_path_node *nodes, int32_t count,
                                      struct drawbar_path_node *reversed);
 
