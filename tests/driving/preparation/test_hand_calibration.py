@@ -25,13 +25,14 @@ from drawbar.machine.hardware.sensor_line import SensorBoardSettings
 from drawbar.machine.hardware.steer_board import BoardMemory
 from drawbar.messages import GateState
 from drawbar.signals import Actuation
+from drawbar.simulation import simulate
 
 SEED = 4
 STEP = 0.2
-UP, LEFT = 3.0, 0.1
-"""of the tractor's antenna, m"""
-BIAS = math.radians(1.5)
-"""of its attitude sensor"""
+UP, LEFT, TRAILER_UP = 3.0, 0.1, 2.0
+"""of the antennas, m"""
+BIAS, TRAILER_BIAS = math.radians(1.5), math.radians(-0.8)
+"""of the roll sensors, rad"""
 SLOPE = math.radians(-2.0)
 """of the ground, right side down where the way leads east"""
 
@@ -42,7 +43,7 @@ ANTENNA = {"tractor: antenna forward", "tractor: antenna left"}
 
 @pytest.fixture(scope="module")
 def machine():
-    masts = [f"vehicle.masts.tractor.up={UP}", f"vehicle.masts.tractor.left={LEFT}"]
+    masts = [f"vehicle.masts={{tractor={{up={UP},left={LEFT}}},trailer={{up={TRAILER_UP}}}}}"]
     return with_stand_ins(load_configuration("articulated", masts))
 
 
@@ -66,11 +67,15 @@ def driven(machine, *, right=25.0, left=28.0, zero=40.0, rising=1.0):
     back = slice(len(angles) - 250, None)
     yaw[back] = math.pi + 2.0 * math.pi * round((yaw[back][0] - math.pi) / (2.0 * math.pi))
     x[back], y[back] = 50.0 - 0.2 * np.arange(250), 0.0
+    noise = rng.normal(0.0, 1.0, (6, len(angles)))
     roll = SLOPE * np.cos(yaw)  # the true one
     lean = LEFT - UP * np.sin(roll)  # of the antenna, to the body's left
+    bent = math.radians(2.0) + 0.001 * noise[5]
+    behind = -TRAILER_UP * np.sin(roll) - machine.vehicle.drawbar_length * np.sin(
+        bent
+    )  # of the trailer's, on straights
     wire = np.degrees(-angles)
     counts = rising * (wire * np.where(wire > 0.0, right, left)) + zero
-    noise = rng.normal(0.0, 1.0, (6, len(angles)))
     memory = machine.devices.tractor_board.memory
     return HandDrive(
         times=STEP * np.arange(len(angles)),
@@ -80,9 +85,13 @@ def driven(machine, *, right=25.0, left=28.0, zero=40.0, rising=1.0):
         antenna_x=x - lean * np.sin(yaw) + 0.01 * noise[3],
         antenna_y=y + lean * np.cos(yaw) + 0.01 * noise[4],
         roll=roll + BIAS,
+        trailer_yaw=yaw,
+        trailer_antenna_x=x - 2.0 * np.cos(yaw) - behind * np.sin(yaw) + 0.01 * noise[4],
+        trailer_antenna_y=y - 2.0 * np.sin(yaw) + behind * np.cos(yaw) + 0.01 * noise[3],
+        trailer_roll=roll + TRAILER_BIAS,
         wheel_speed=1.04 * speed,
         front_wheels=reported(memory, counts + 0.5 * noise[5]),
-        joint=np.radians(2.0) + 0.001 * noise[5],
+        joint=bent,
         hitch=0.03 + 0.001 * noise[5],
     )
 
@@ -105,7 +114,34 @@ def test_what_it_finds_is_the_truth(machine, rising):
     assert joint == pytest.approx(2.0 * 30.0, abs=2)
     assert found["hitch angle: zero"].sets["devices.sensors.hitch_angles"][2] == pytest.approx(-0.03, abs=0.001)
     assert found["wheel speed"].sets["devices.sensors.pulses_per_metre"] == pytest.approx(104.0, abs=0.5)
-    assert found["tractor: mounting roll"].sets["vehicle.masts.tractor.roll_offset"] == pytest.approx(BIAS, abs=0.002)
+    for body, bias in (("tractor", BIAS), ("trailer", TRAILER_BIAS)):
+        rolls = found[f"{body}: mounting roll"].sets
+        assert rolls[f"vehicle.masts.{body}.roll_offset"] == pytest.approx(bias, abs=0.002)
+        assert 0.003 < rolls[f"vehicle.masts.{body}.roll_deviation"] < 0.006
+
+
+def test_the_mounting_rolls_of_the_simulated_machine_on_a_slope_are_found(tmp_path):
+    """There and back on the same line, with a loop between, on an even slope of 5°, by a driver who sees the truth."""
+    out, loop, radius, aside = np.arange(0.0, 60.0, 0.5), np.linspace(0.0, 1.0, 240), 10.0, math.pi / 3.0
+    course = np.concatenate([-aside * loop, (math.pi + 2.0 * aside) * loop - aside, math.pi + aside * (1.0 - loop)])
+    turned = np.abs(np.diff(course, prepend=0.0))
+    x, y = 60.0 + np.cumsum(radius * turned * np.cos(course)), np.cumsum(radius * turned * np.sin(course))
+    assert (x[-1], y[-1]) == pytest.approx((60.0, 0.0), abs=0.3)
+    there, back = np.column_stack([out, 0.0 * out]), np.column_stack([x[-1] - 0.5 - out, 0.0 * out])
+    np.savetxt(tmp_path / "line.csv", np.concatenate([there, np.column_stack([x, y]), back]), delimiter=",")
+    changes = [
+        f"path.file={tmp_path / 'line.csv'}",
+        "vehicle.masts={tractor={up=2.5},trailer={up=2.0}}",
+        "machine.attitude={tractor={present=true,roll_bias=0.0175},trailer={present=true,roll_bias=-0.014}}",
+        "machine.terrain.slope=0.0873",
+        "estimator={model='ideal'}",
+    ]
+    log = simulate(load_configuration("articulated", changes), seed=1)
+    found = all_found(with_stand_ins(load_configuration("articulated", changes)), HandDrive.of(log))
+    for body, bias in (("tractor", 0.0175), ("trailer", -0.014)):
+        offset, known = found[f"{body}: mounting roll"].sets.values()
+        assert offset == pytest.approx(bias, abs=0.002)
+        assert known < 0.008
 
 
 def test_the_zero_of_an_inductive_sensor_is_found_too(machine):
@@ -145,10 +181,13 @@ def test_what_was_not_driven_is_refused_with_what_to_drive(machine):
     assert "circles" in straight["front wheels: scale"].value.refusals[0]
     assert not straight["front wheels: scale"].sets
     assert not straight["tractor: mounting roll"].sets
+    assert not straight["trailer: mounting roll"].sets
     turning = all_found(machine, drive.part(slice(250, 670)))
     assert all(not each.sets for each in turning.values())
-    nothing = replace(drive, front_wheels=np.full(len(drive.times), math.nan), roll=np.full(len(drive.times), math.nan))
-    assert not {"front wheels: scale", "tractor: mounting roll"} & set(all_found(machine, nothing))
+    none = np.full(len(drive.times), math.nan)
+    nothing = replace(drive, front_wheels=none, roll=none, trailer_roll=none)
+    rolls = {"tractor: mounting roll", "trailer: mounting roll"}
+    assert not ({"front wheels: scale"} | rolls) & set(all_found(machine, nothing))
 
 
 def test_a_drive_far_from_the_line_is_reported_with_settings_that_estimate_there(machine, monkeypatch, tmp_path):
@@ -185,6 +224,10 @@ def test_s_curves_show_where_the_antenna_stands(machine):
         antenna_x=x,
         antenna_y=y,
         roll=none,
+        trailer_yaw=none,
+        trailer_antenna_x=none,
+        trailer_antenna_y=none,
+        trailer_roll=none,
         wheel_speed=speeds,
         front_wheels=angles,
         joint=none,

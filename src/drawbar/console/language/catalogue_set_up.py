@@ -75,9 +75,8 @@ SET_UP_TEXTS: Mapping[str, tuple[str, str]] = {
     ),
     "calibrate_right": ("Three circles to the right, likewise", "Drei Kreise nach rechts, ebenso"),
     "calibrate_back": (
-        "Back along the same straight, in the same tracks, 20 s each way: mounting roll of the tractor's sensor",
-        "Auf derselben Geraden zurück, genau in der eigenen Spur, je 20 s: Einbauwinkel (Rollen) des Sensors auf dem "
-        "Traktor",
+        "Back along the same straight, in the same tracks, 20 s each way: mounting roll of both roll sensors",
+        "Auf derselben Geraden zurück, genau in der eigenen Spur, je 20 s: Einbauwinkel beider Rollsensoren",
     ),
     "calibrate_curves": (
         "Two minutes of S-curves, 4 s to each side: where the antenna stands",

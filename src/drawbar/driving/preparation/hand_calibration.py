@@ -17,7 +17,7 @@ from drawbar.machine.calibration.scale import Circle, Scale, scale_from_circles
 from drawbar.machine.calibration.zero import zero_from_straight
 from drawbar.machine.hardware.sensor_line import SensorBoardSettings
 from drawbar.machine.hardware.steer_board import BoardMemory, SteerBoardSettings
-from drawbar.vehicle.parameters import VehicleParameters
+from drawbar.vehicle.parameters import Mast, VehicleParameters
 
 _OPPOSITE = math.radians(10.0)
 """by which the way back may differ from the opposite of the way there, rad"""
@@ -50,8 +50,9 @@ def calibrate(configuration: Configuration, drive: HandDrive) -> Iterator[Calibr
     if devices.sensors is not None and devices.sensors.pulses_per_metre is not None:
         yield _wheels(devices.sensors.pulses_per_metre, drive)
     if np.isfinite(drive.roll).any():
-        mast = configuration.vehicle.masts.tractor
-        yield _roll(drive, up=mast.up, left=mast.left)
+        yield _roll("tractor", configuration.vehicle, drive)
+    if np.isfinite(drive.trailer_roll).any():
+        yield _roll("trailer", configuration.vehicle, drive)
     if np.isfinite(drive.front_wheels).any() and np.isfinite(drive.wheel_speed).any():
         yield from _antenna(configuration.vehicle, drive)
 
@@ -166,24 +167,39 @@ def _of_straights(drive: HandDrive, quantity: Callable[[HandDrive], Floats], *, 
     )
 
 
-def _roll(drive: HandDrive, *, up: float, left: float) -> CalibrationResult:
-    """Return the mounting roll from two straight stretches of one track, there and back."""
+def _roll(body: Literal["tractor", "trailer"], vehicle: VehicleParameters, drive: HandDrive) -> CalibrationResult:
+    """Return the mounting roll from two straight stretches of one track, there and back.
+
+    The trailer follows the track beside itself by what its joint is bent; a slope moves it to the same side both ways.
+    """
+    mast: Mast = getattr(vehicle.masts, body)
     there, back = two_ways(drive)
-    yaw = float(np.mean(there.yaw)) if len(there.times) else 0.0
-    origin = (float(np.mean(there.antenna_x)), float(np.mean(there.antenna_y))) if len(there.times) else (0.0, 0.0)
+    course = float(np.mean(there.yaw)) if len(there.times) else 0.0
+    origin = [float(np.mean(each)) if len(each) else 0.0 for each in _antenna_of(body, there)[:2]]
 
     def across(part: HandDrive) -> Floats:
-        """Return how far the ground point lies to the left of the way there, m."""
-        lean = up * np.sin(part.roll) - left  # of the body's own left, from the antenna to the ground point
-        east = part.antenna_x - lean * np.sin(part.yaw) - origin[0]
-        north = part.antenna_y + lean * np.cos(part.yaw) - origin[1]
-        return np.asarray(north * math.cos(yaw) - east * math.sin(yaw), float)
+        """Return how far the track lies to the left of the way there, m."""
+        x, y, yaw, roll = _antenna_of(body, part)
+        lean = mast.up * np.sin(roll) - mast.left  # of the body's own left, from the antenna to the ground point
+        if body == "trailer":
+            lean = lean + vehicle.drawbar_length * np.sin(part.joint)
+        east, north = x - lean * np.sin(yaw) - origin[0], y + lean * np.cos(yaw) - origin[1]
+        return np.asarray(north * math.cos(course) - east * math.sin(course), float)
 
-    value = mounting_roll((there.times, across(there)), (back.times, across(back)), height=up)
-    known = math.hypot(value.deviation, _WHEEL_MARKS / (2.0 * up))
-    mast = "vehicle.masts.tractor"
-    sets = {f"{mast}.roll_offset": value.value, f"{mast}.roll_deviation": round(known, 5)} if value.accepted else {}
-    return CalibrationResult(name="tractor: mounting roll", value=value, sets=sets)
+    value = mounting_roll((there.times, across(there)), (back.times, across(back)), height=mast.up)
+    sets: dict[str, Any] = {}
+    if value.accepted:
+        known = math.hypot(value.deviation, _WHEEL_MARKS / (2.0 * mast.up))
+        prefix = f"vehicle.masts.{body}.roll_"
+        sets = {f"{prefix}offset": value.value, f"{prefix}deviation": round(known, 5)}
+    return CalibrationResult(name=f"{body}: mounting roll", value=value, sets=sets)
+
+
+def _antenna_of(body: Literal["tractor", "trailer"], drive: HandDrive) -> tuple[Floats, Floats, Floats, Floats]:
+    """Return x and y of a body's antenna, m, and its yaw and measured roll, rad."""
+    if body == "tractor":
+        return drive.antenna_x, drive.antenna_y, drive.yaw, drive.roll
+    return drive.trailer_antenna_x, drive.trailer_antenna_y, drive.trailer_yaw, drive.trailer_roll
 
 
 def _antenna(vehicle: VehicleParameters, drive: HandDrive) -> Iterator[CalibrationResult]:

@@ -31,6 +31,10 @@ _COLUMNS = {
     "antenna_x": "measurement.tractor_x",
     "antenna_y": "measurement.tractor_y",
     "roll": "measurement.tractor_roll",
+    "trailer_yaw": "estimate.trailer.yaw",
+    "trailer_antenna_x": "measurement.trailer_x",
+    "trailer_antenna_y": "measurement.trailer_y",
+    "trailer_roll": "measurement.trailer_roll",
     "wheel_speed": "measurement.speed",
     "front_wheels": "measurement.tractor_steering",
     "joint": "measurement.trailer_steering",
@@ -54,6 +58,13 @@ class HandDrive:
     antenna_y: Floats
     roll: Floats
     """of the tractor, as its sensor shows it, rad"""
+    trailer_yaw: Floats
+    """rad"""
+    trailer_antenna_x: Floats
+    """m"""
+    trailer_antenna_y: Floats
+    trailer_roll: Floats
+    """as its sensor shows it, rad"""
     wheel_speed: Floats
     """m/s"""
     front_wheels: Floats
