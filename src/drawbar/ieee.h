@@ -4,6 +4,7 @@
 #define DRAWBAR_IEEE_H
 
 #include <float.h>
+#include <math.h>
 
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || defined(_M_FP_FAST) \
     || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
@@ -19,5 +20,14 @@
 
 /* where this fails: compile without -fsingle-precision-constant */
 typedef char constants_are_doubles[sizeof(1.0) == sizeof(double) ? 1 : -1];
+
+/* Whether a missing value is no number here: what a compiler that tells nothing by a macro does is tried out. */
+static inline int ieee_knows_missing(void)
+{
+    const volatile double given[] = {(double)NAN, (double)INFINITY};   /* volatile: it must not know them */
+    const double missing = given[0], endless = given[1];
+
+    return missing != missing && isnan(missing) && !(fabs(missing) <= 1.0) && !isfinite(missing) && !isfinite(endless);
+}
 
 #endif

@@ -13,8 +13,11 @@ import numpy as np
 
 from drawbar import __version__
 from drawbar.codegen import Component, Unit, build
+from drawbar.codegen.compiler import find_compiler
 from drawbar.codegen.library import aligned, load
+from drawbar.errors import CompilerError
 from drawbar.guidance.path import PATH_UNIT
+from drawbar.statuses import Status
 
 STEP_DOUBLES = 256
 """What the step itself remembers fits into so many doubles; the compiler checks it."""
@@ -63,7 +66,7 @@ class StepLibrary:
             horizon: stages of the plans.
 
         Raises:
-            CompilerError: no compiler, or it refused the code.
+            CompilerError: no compiler, it refused the code, or its arithmetic is not IEEE's.
         """
         self.file = build("autopilot", library_files(units, horizon))
         self._library = load(self.file)
@@ -75,7 +78,10 @@ class StepLibrary:
         numbers = (ctypes.c_double * len(astuple(settings)))(*astuple(settings))
         self._memories = memories  # the library keeps no copies
         self.call("host", pointers, numbers)
-        self.call("init")
+        if status := self.call("init"):
+            raise CompilerError(
+                f"{' '.join(find_compiler())}: {Status(status).text}; unset CC or name another compiler."
+            )
         self.record = np.zeros(self._library.drawbar_record_size(), np.uint8)
         """memory for one struct drawbar_record"""
 

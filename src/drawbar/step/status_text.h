@@ -72,6 +72,8 @@ const char *drawbar_status_text(int status)
         return "wrong call: the vehicle is not on the new path at that place, or faces away from it";
     case DRAWBAR_UNALIGNED:
         return "wrong call: a pointer is not aligned as a double";
+    case DRAWBAR_ARITHMETIC:
+        return "wrong build: compiled with -ffast-math or the like, NaN passes for a number or sines are wrong";
     case DRAWBAR_MEASUREMENT:
         return "a new command; a measured value was infinite or beyond what its sensor can mean, and was taken for missing";
     case DRAWBAR_LATE:

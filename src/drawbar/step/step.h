@@ -4,6 +4,7 @@
 #define DRAWBAR_STEP_H
 
 #include <string.h>
+#include "arithmetic.h"
 #include "control_step.h"
 #include "path.h"
 #include "status_text.h"
@@ -80,6 +81,8 @@ int drawbar_init(struct drawbar_state *state)
 
     if (refused)
         return refused;
+    if (!arithmetic_is_sound())
+        return DRAWBAR_ARITHMETIC;
     forget(a);
     a->magic = INITIALISED;
     a->wanted_speed = a->settings.speed;

@@ -95,6 +95,8 @@ int drawbar_actuate_init(struct drawbar_actuate_state *state, const struct drawb
     memset(low, 0, sizeof *low);
     if (unread)
         return unread;
+    if (!ieee_knows_missing())
+        return DRAWBAR_ACTUATE_ARITHMETIC;
     if (!settings_are_sound(settings))
         return DRAWBAR_ACTUATE_SETTINGS;
     low->settings = *settings;
@@ -283,6 +285,8 @@ const char *drawbar_actuate_status_text(int status)
         return "wrong call: drawbar_actuate_init has not been called with success";
     case DRAWBAR_ACTUATE_SETTINGS:
         return "wrong call: a setting is not finite or beyond what is allowed";
+    case DRAWBAR_ACTUATE_ARITHMETIC:
+        return "wrong build: compiled with -ffast-math or the like, NaN passes for a number";
     default:
         return "no status of the low level";
     }

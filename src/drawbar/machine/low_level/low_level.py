@@ -66,6 +66,7 @@ class ActuateStatus(IntEnum):
     NOT_INITIALISED = 65
     SETTINGS = 66
     UNALIGNED = 67
+    ARITHMETIC = 68
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -44,7 +44,9 @@ struct drawbar_state {
     double memory[DRAWBAR_STATE_DOUBLES];
 };
 
-/* Prepare the state for its first path. */
+/* Prepare the state for its first path.
+ *
+ * When the compiler's arithmetic is not IEEE's (DRAWBAR_ARITHMETIC) nothing changes, and a new state stays without use. */
 DRAWBAR_API int drawbar_init(struct drawbar_state *state);
 
 /* Begin a run at the start of a path, with the next measurement. May be called at any time: it ends the present run, and

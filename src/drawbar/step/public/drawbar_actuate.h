@@ -52,7 +52,8 @@ enum drawbar_actuate_status {
     DRAWBAR_ACTUATE_NULL = 64,             /* a pointer is NULL */
     DRAWBAR_ACTUATE_NOT_INITIALISED = 65,  /* drawbar_actuate_init has not been called with success */
     DRAWBAR_ACTUATE_SETTINGS = 66,         /* a setting is not finite or beyond what is allowed here */
-    DRAWBAR_ACTUATE_UNALIGNED = 67         /* a pointer is not aligned as a double */
+    DRAWBAR_ACTUATE_UNALIGNED = 67,        /* a pointer is not aligned as a double */
+    DRAWBAR_ACTUATE_ARITHMETIC = 68        /* compiled with -ffast-math or the like: NaN passes for a number */
 };
 
 /* From counts to an angle or a position: a table, or a cubic polynomial. */
@@ -131,7 +132,8 @@ struct drawbar_actuate_state {
     double memory[DRAWBAR_ACTUATE_DOUBLES];
 };
 
-/* Check the settings and take them over; everything is off. Returns enum drawbar_actuate_status: FINE, NULL, SETTINGS. */
+/* Check the settings and take them over; everything is off. Returns enum drawbar_actuate_status: FINE, or
+ * what was wrong with the call or the build. */
 DRAWBAR_API int drawbar_actuate_init(struct drawbar_actuate_state *state, const struct drawbar_actuate_settings *settings);
 
 /* Compute the drives; returns the worst of the statuses. The output is complete whatever is returned, unless it is NULL. */

@@ -49,7 +49,9 @@ enum drawbar_status {
     DRAWBAR_NO_RUN = 262,               /* wrong call: no run has begun, or it has ended */
     DRAWBAR_ELSEWHERE = 263,            /* wrong call: the vehicle is not on the new path at that place, or faces
                                          * away from it */
-    DRAWBAR_UNALIGNED = 264             /* wrong call: a pointer is not aligned as a double */
+    DRAWBAR_UNALIGNED = 264,            /* wrong call: a pointer is not aligned as a double */
+    DRAWBAR_ARITHMETIC = 265            /* wrong build: compiled with -ffast-math or the like, NaN passes for a
+                                         * number or sines are wrong */
 };
 
 /* Remarks on a step that made a new command; each flag carries its text. */
