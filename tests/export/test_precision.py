@@ -4,6 +4,7 @@
 """
 
 import ctypes
+import shutil
 import subprocess
 from collections import Counter
 from collections.abc import Callable
@@ -243,6 +244,24 @@ def test_what_holds_a_time_stamp_is_aligned_as_a_double_the_rest_as_floats(
     assert library.call("actuate", numbers, odd, room) == ACTUATE_UNALIGNED
     assert library.call("line_path", odd, 2, odd, odd, numbers, 9, odd) == LINE_POINTS
     assert library.call("line_path", odd, 2, odd, odd, odd, 9, odd) == LINE_UNALIGNED
+
+
+@pytest.mark.parametrize("numbers", Precision)
+def test_what_every_measurement_begins_as_promotes_no_float(
+    exported: Callable[..., Path], numbers: Precision, tmp_path: Path
+) -> None:
+    """A caller looks for doubles by mistake where they cost a function's call."""
+    compiler = next(filter(shutil.which, ("clang-14", "clang")), None)
+    if compiler is None:
+        pytest.skip("clang is not installed")
+    include = exported("articulated", precision=numbers) / "include"
+    (tmp_path / "caller.c").write_text(
+        '#include "drawbar.h"\nextern const struct drawbar_measurement first;\n'
+        "const struct drawbar_measurement first = DRAWBAR_NOTHING_MEASURED;\n",
+        "utf-8",
+    )
+    strict = ("-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Werror", "-fsyntax-only")
+    subprocess.run([compiler, *strict, f"-I{include}", str(tmp_path / "caller.c")], check=True)
 
 
 @pytest.mark.parametrize("away", [0.0, FAR])

@@ -51,7 +51,10 @@ _FUNCTIONS = (
 )
 _WORDS = re.compile(r'(/\*.*?\*/|"[^"\n]*")', re.DOTALL)
 """comments and strings"""
-_DOUBLE = re.compile(r"\bdouble(?=_values\b|_settings\b|\b)(?! time\b| time_stamp\b| wide\b| memory\[)")
+_DOUBLE = re.compile(
+    r"(?<!DRAWBAR_NOTHING_MEASURED \{ \\\n    \()"  # whose first number is the time
+    r"\bdouble(?=_values\b|_settings\b|\b)(?! time\b| time_stamp\b| wide\b| memory\[)"
+)
 _FUNCTION = re.compile(rf"\b({'|'.join(_FUNCTIONS)})(?=\()")
 _NUMBER = re.compile(r"(?<![\w.])(\d+\.\d*(?:[eE][-+]?\d+)?|\d+[eE][-+]?\d+)(?![\w.])")
 _DEFINED = re.compile(rf"(?<=^#define )({'|'.join(TOLERANCES)}) (\S+)", re.MULTILINE)
