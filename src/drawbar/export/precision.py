@@ -36,7 +36,6 @@ TOLERANCES = {
     "QUAD": ("4", "1"),
     "REGULARISED_VIOLATION": ("1e-7", "1e-4"),
     "ROUNDING": ("1e-6", "1e-3"),
-    "SINE_ROUNDING": ("1e-12", "1e-6"),
     "WHOLE_SAMPLES": ("1e-9", "1e-4"),
 }
 """what a header defines, in double and in single precision; PACK and QUAD are how many doubles a register holds"""

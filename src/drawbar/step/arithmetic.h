@@ -2,18 +2,15 @@
 #ifndef DRAWBAR_STEP_ARITHMETIC_H
 #define DRAWBAR_STEP_ARITHMETIC_H
 
-#include <math.h>
 #include "ieee.h"
 #include "lane_trigonometry.h"
 
-#define SINE_ROUNDING 1e-12                /* largest error of a sine, and more */
-
-/* Whether the library can be trusted as it was compiled. The angle is volatile, so that its sine is computed as all others. */
+/* Whether the library can be trusted as it was compiled: NaN is no number, and a number is rounded as sines round theirs. */
 static int arithmetic_is_sound(void)
 {
-    const volatile double angle = 2.5;
+    const volatile double given = 1.6;     /* volatile: the compiler must not know it */
 
-    return ieee_knows_missing() && fabs(lane_sine(angle, 0) - 0.59847214410395649) <= SINE_ROUNDING;
+    return ieee_knows_missing() && (given + LANE_ROUND) - LANE_ROUND == 2.0;
 }
 
 #endif
