@@ -1,5 +1,6 @@
-/* A vehicle that obeys: the articulated model (docs/theory) without slip, so that a fuzzer's runs are mostly plausible. The
- * lengths are the paper's machine. */
+/* A vehicle that obeys: the articulated model (docs/theory) without slip, so that a fuzzer's runs are mostly plausible.
+ * WHEELBASE, FREE_JOINT_BEHIND (the rear axle), DRAWBAR_LENGTH, TRAILER_LENGTH, POINT_BEHIND (the actuated joint) (m), LAG (s),
+ * TRACTOR_RATE and TRAILER_RATE (rad/s) are those of the configuration, nearly. */
 #ifndef VEHICLE_H
 #define VEHICLE_H
 
@@ -18,23 +19,24 @@ struct vehicle {
 
 static inline double followed(double angle, double command, double rate, double step)
 {
-    const double wanted = (command - angle) / 0.3;
+    const double wanted = (command - angle) / LAG;
 
     return angle + step * fmin(fmax(wanted, -rate), rate);
 }
 
 static inline void vehicle_move(struct vehicle *v, const struct drawbar_command *command, double step)
 {
-    const double joint = followed(v->joint, command->trailer_steering, 0.35, step), turned = (joint - v->joint) / step;
-    const double yaw_rate = v->speed * tan(v->steering) / 1.4, beside = v->yaw - v->trailer_yaw;
-    const double pulled = v->speed * sin(beside) - 0.9 * yaw_rate * cos(beside);
+    const double joint = followed(v->joint, command->trailer_steering, TRAILER_RATE, step);
+    const double turned = (joint - v->joint) / step, length = TRAILER_LENGTH + DRAWBAR_LENGTH * cos(joint);
+    const double yaw_rate = v->speed * tan(v->steering) / WHEELBASE, beside = v->yaw - v->trailer_yaw;
+    const double pulled = v->speed * sin(beside) - FREE_JOINT_BEHIND * yaw_rate * cos(beside);
 
     v->x += step * v->speed * cos(v->yaw);
     v->y += step * v->speed * sin(v->yaw);
-    v->trailer_yaw += step * (pulled - 0.2 * turned * cos(joint)) / (1.3 + 0.2 * cos(joint));
+    v->trailer_yaw += step * (pulled - DRAWBAR_LENGTH * turned * cos(joint)) / length;
     v->yaw += step * yaw_rate;
     v->joint = joint;
-    v->steering = followed(v->steering, command->tractor_steering, 0.44, step);
+    v->steering = followed(v->steering, command->tractor_steering, TRACTOR_RATE, step);
     v->speed += step * (command->speed - v->speed) / 0.5;
     v->time += step;
 }
@@ -55,8 +57,10 @@ static inline struct drawbar_measurement vehicle_measure(const struct vehicle *v
     measured.time = v->time;
     measured.tractor_x = v->x;
     measured.tractor_y = v->y;
-    measured.trailer_x = v->x - 0.9 * cos(v->yaw) - 0.2 * cos(drawbar_yaw) - 1.05 * cos(v->trailer_yaw);
-    measured.trailer_y = v->y - 0.9 * sin(v->yaw) - 0.2 * sin(drawbar_yaw) - 1.05 * sin(v->trailer_yaw);
+    measured.trailer_x = v->x - FREE_JOINT_BEHIND * cos(v->yaw) - DRAWBAR_LENGTH * cos(drawbar_yaw)
+        - POINT_BEHIND * cos(v->trailer_yaw);
+    measured.trailer_y = v->y - FREE_JOINT_BEHIND * sin(v->yaw) - DRAWBAR_LENGTH * sin(drawbar_yaw)
+        - POINT_BEHIND * sin(v->trailer_yaw);
     measured.hitch_angle = v->yaw - drawbar_yaw;
     measured.speed = v->speed;
     measured.tractor_steering = v->steering;
