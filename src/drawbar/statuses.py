@@ -61,7 +61,7 @@ class Status(IntEnum):
     NO_RUN = 262, "wrong call: no run has begun, or it has ended"
     ELSEWHERE = 263, "wrong call: the vehicle is not on the new path at that place, or faces away from it"
     UNALIGNED = 264, "wrong call: a pointer is not aligned as a double"
-    ARITHMETIC = 265, "wrong build: compiled with -ffast-math or the like, NaN passes for a number or sines are wrong"
+    ARITHMETIC = 265, "wrong build: NaN or sums are not IEEE's"
 
     @property
     def is_new_command(self) -> bool:

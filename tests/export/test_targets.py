@@ -35,7 +35,7 @@ C_LIBRARY = {
 COMPARISONS = ("dcmpeq", "dcmpge", "dcmpgt", "dcmple", "dcmplt", "dcmpun")
 DOUBLES = re.compile(r"__aeabi_(d\w+|\w+2d)")
 """arithmetic of doubles, by the run-time ABI for the Arm architecture"""
-MOST_CODE = {"cortex-m7": 256, "cortex-m4": 448, "windows-x86_64": 372}
+MOST_CODE = {"cortex-m7": 256, "cortex-m4": 448, "windows-x86_64": 373}
 """KiB"""
 MEMORY = {"memcpy", "memmove", "memset", "__aeabi_memclr8", "__aeabi_memcpy8", "__aeabi_memcpy", "__aeabi_memclr"}
 

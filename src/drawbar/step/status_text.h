@@ -73,7 +73,7 @@ const char *drawbar_status_text(int status)
     case DRAWBAR_UNALIGNED:
         return "wrong call: a pointer is not aligned as a double";
     case DRAWBAR_ARITHMETIC:
-        return "wrong build: compiled with -ffast-math or the like, NaN passes for a number or sines are wrong";
+        return "wrong build: NaN or sums are not IEEE's";
     case DRAWBAR_MEASUREMENT:
         return "a new command; a measured value was infinite or beyond what its sensor can mean, and was taken for missing";
     case DRAWBAR_LATE:

@@ -286,7 +286,7 @@ const char *drawbar_actuate_status_text(int status)
     case DRAWBAR_ACTUATE_SETTINGS:
         return "wrong call: a setting is not finite or beyond what is allowed";
     case DRAWBAR_ACTUATE_ARITHMETIC:
-        return "wrong build: compiled with -ffast-math or the like, NaN passes for a number";
+        return "wrong build: NaN passes for a number";
     default:
         return "no status of the low level";
     }

@@ -50,8 +50,7 @@ enum drawbar_status {
     DRAWBAR_ELSEWHERE = 263,            /* wrong call: the vehicle is not on the new path at that place, or faces
                                          * away from it */
     DRAWBAR_UNALIGNED = 264,            /* wrong call: a pointer is not aligned as a double */
-    DRAWBAR_ARITHMETIC = 265            /* wrong build: compiled with -ffast-math or the like, NaN passes for a
-                                         * number or sines are wrong */
+    DRAWBAR_ARITHMETIC = 265            /* wrong build: NaN or sums are not IEEE's */
 };
 
 /* Remarks on a step that made a new command; each flag carries its text. */
