@@ -116,23 +116,9 @@ class FaultExclusion:
         measured = _true_to_scale(record.measurement, record.actuation)
         hitch, joint = _residuals(measured, record.estimate)
         self._residuals.append((hitch, joint))
-        moves = abs(record.measurement.speed) >= MOVES
-        limit = _SHARE if self._antenna_contradicts(record, moves=moves) else 1.0
-        share = self._angles_share(moves=moves) / limit
-        simulated = self._simulated.update(measured, record.estimate)
-        contradicted = share > 1.0
-        contradicted |= self._reversed.update(measured.hitch_angle, simulated)
-        contradicted |= self._stuck.update(
-            record.measurement.hitch_angle, record.estimate.hitch_angle, simulated, moves=moves
-        )
-        self._angles.update(measured.hitch_angle, simulated)
-        turning = self._turning.update(record)
-        self.shares = Shares(share, self._reversed.share, self._angles.share, self._turning.share)
-        contradicts = contradiction(self.shares, turning, astray=astray)
-        wrong_wheels = self._turning.is_large or contradicts is Contradiction.FRONT_WHEELS
+        contradicted, wrong_wheels = self._contradicted(record, measured, astray=astray)
         # once the trailer is excluded the estimated yaw changes; if it goes astray again, the front wheels lead it
         self.steering_contradicts = astray if self.excludes_trailer else wrong_wheels
-        contradicted |= contradicts is Contradiction.TRAILER
         if not (engaged and self.excludes_trailer):
             self._trailer = CONFIRMED if contradicted else self._trailer + 1 if abs(hitch) > self._hitch_limit else 0
         self._moved = moved or (engaged and self._moved)
@@ -156,6 +142,23 @@ class FaultExclusion:
             return measurement
         nan = math.nan
         return replace(measurement, hitch_angle=nan, trailer_steering=nan, trailer_x=nan, trailer_y=nan)
+
+    def _contradicted(self, record: StepRecord, measured: Measurement, *, astray: bool) -> tuple[bool, bool]:
+        """Update the detectors; return whether an angle of the trailer is wrong, and whether the front wheels' is."""
+        moves = abs(measured.speed) >= MOVES
+        limit = _SHARE if self._antenna_contradicts(record, moves=moves) else 1.0
+        residuals = self._angles_share(moves=moves) / limit
+        simulated = self._simulated.update(measured, record.estimate)
+        reverses = self._reversed.update(measured.hitch_angle, simulated)
+        is_stuck = self._stuck.update(
+            record.measurement.hitch_angle, record.estimate.hitch_angle, simulated, moves=moves
+        )
+        self._angles.update(measured.hitch_angle, simulated)
+        turning = self._turning.update(record)
+        self.shares = Shares(residuals, self._reversed.share, self._angles.share, self._turning.share)
+        whose = contradiction(self.shares, turning, astray=astray)
+        trailer = residuals > 1.0 or reverses or is_stuck or whose is Contradiction.TRAILER
+        return trailer, self._turning.is_large or whose is Contradiction.FRONT_WHEELS
 
     def _angles_share(self, *, moves: bool) -> float:
         """Return the norm of the mean residuals of both angles as a share of its limit."""
