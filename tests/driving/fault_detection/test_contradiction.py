@@ -32,6 +32,12 @@ def test_an_estimate_that_is_astray_has_followed_a_wrong_angle():
     assert contradiction(Shares(), 0.0, astray=True) is Contradiction.TRAILER
 
 
+def test_a_hitch_sensor_that_rather_looks_reversed_bends_the_turns_of_the_estimate_too():
+    for turning, seen in ((0.6, Contradiction.TRAILER), (0.8, Contradiction.FRONT_WHEELS)):
+        shares = Shares(residuals=0.7, reversed=0.7, angles=0.9, turning=turning)
+        assert contradiction(shares, 5.0 * DEGREE, astray=False) is seen
+
+
 @pytest.mark.parametrize(
     ("turning", "seen"),
     [

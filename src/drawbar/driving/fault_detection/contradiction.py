@@ -1,8 +1,8 @@
 """Contradiction: what the detectors of wrong angles see together, and which sensor is wrong.
 
 Each may see a part of one wrong angle: of one that drifts all come near their limits before one exceeds its own. Where
-the tractor does not turn as its front wheels are measured, theirs is the wrong sensor; whether else hitch or joint is,
-is not observable.
+the tractor does not turn as its front wheels are measured, theirs is the wrong sensor, unless the hitch sensor rather
+looks reversed: that bends the estimated turns as well. Whether else hitch or joint is wrong is not observable.
 """
 
 import math
@@ -53,4 +53,5 @@ def contradiction(shares: Shares, turning_error: float, *, astray: bool) -> Cont
     """
     if not (shares.angles > 1.0 or shares.together > 1.0 or astray):
         return Contradiction.NONE
-    return Contradiction.FRONT_WHEELS if abs(turning_error) > _TURNING else Contradiction.TRAILER
+    turns_otherwise = abs(turning_error) > _TURNING and shares.turning >= shares.reversed
+    return Contradiction.FRONT_WHEELS if turns_otherwise else Contradiction.TRAILER
