@@ -188,6 +188,17 @@ def test_what_was_not_driven_is_refused_with_what_to_drive(machine):
     nothing = replace(drive, front_wheels=none, roll=none, trailer_roll=none)
     rolls = {"tractor: mounting roll", "trailer: mounting roll"}
     assert not ({"front wheels: scale"} | rolls) & set(all_found(machine, nothing))
+    for unknown in ("joint", "trailer_antenna_x"):
+        assert rolls & set(all_found(machine, replace(drive, **{unknown: none}))) == {"tractor: mounting roll"}
+
+
+def test_without_the_height_of_a_mast_there_is_no_mounting_roll(machine):
+    masts = load_configuration("articulated").vehicle.masts
+    vehicle = machine.vehicle.model_copy(update={"masts": masts})
+    found = all_found(machine.model_copy(update={"vehicle": vehicle}), driven(machine))
+    for body in ("tractor", "trailer"):
+        assert "measure it above the ground" in found[f"{body}: mounting roll"].value.refusals[0]
+        assert not found[f"{body}: mounting roll"].sets
 
 
 def test_a_drive_far_from_the_line_is_reported_with_settings_that_estimate_there(machine, monkeypatch, tmp_path):

@@ -16,7 +16,7 @@ _SPAN = 1.0
 """over which the difference is averaged, s"""
 _FACTOR, _LEAST = 5.5, math.radians(1.0)
 """root mean squares of the mean difference that are a contradiction, and the least that one counts, rad: without a
-fault it comes to 0.9 of that (experiments/faults/ordinary.py)"""
+fault it comes to 0.95 of that (experiments/faults/ordinary.py)"""
 _PRIOR, _PRIOR_TIME = math.radians(1.6), 5.0
 """prior root mean square and its weight: rad, s"""
 

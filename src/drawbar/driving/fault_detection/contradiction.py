@@ -30,7 +30,7 @@ class Shares(NamedTuple):
 
     @property
     def together(self) -> float:
-        """Of what all of them are together."""
+        """Their norm, as a share of one that is a contradiction."""
         return math.hypot(self.residuals, _REVERSED * self.reversed, self.angles, self.turning) / _TOGETHER
 
 

@@ -51,7 +51,7 @@ def calibrate(configuration: Configuration, drive: HandDrive) -> Iterator[Calibr
         yield _wheels(devices.sensors.pulses_per_metre, drive)
     if np.isfinite(drive.roll).any():
         yield _roll("tractor", configuration.vehicle, drive)
-    if np.isfinite(drive.trailer_roll).any():
+    if np.isfinite(drive.trailer_roll + drive.trailer_antenna_x + drive.joint).any():
         yield _roll("trailer", configuration.vehicle, drive)
     if np.isfinite(drive.front_wheels).any() and np.isfinite(drive.wheel_speed).any():
         yield from _antenna(configuration.vehicle, drive)
